@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import semianalytic as sa
@@ -20,8 +21,14 @@ def scene_along(
 ) -> sa.Scene:
     """Return a scene on a line of a period [length], whose bodies touch everywhere by default.
 
-    Pressure and shear [stress] are those of the base; loads and others are those of `Scene`.
+    Pressure and shear [stress] are those of the base; others are those of `Scene`.  Loads act on
+    the line where they do not say otherwise.
     """
     base = sa.Tractions(pressure, shear)
     touching = sa.Contact() if contact is None else contact
+    # where there are slots a scene asks where loads act
+    loads = [
+        replace(one, on="line") if isinstance(one, sa.InterfaceLoad) and one.on is None else one
+        for one in ([loads] if isinstance(loads, sa.InterfaceLoad) else loads)
+    ]
     return sa.Scene(material, law, base, loads, period=period, contact=touching, mode=mode, **more)

@@ -157,7 +157,7 @@ class Run(LineAnswer):
             free = max(length / 2 - run_through, 0.0)
             return (
                 f"the contact ends with the period, and waves from there have arrived beyond |x| = "
-                f"{free:.3g}; raise `length` to {4 * run_through:.3g}"
+                f"{free:.3g}; raise `period` to {4 * run_through:.3g}"
             )
         misfit = self.contact_misfit
         # Slip of a punch of 102 nodes is off by 0.1 % with ends in their places, by 2, 4 and 12 %

@@ -18,9 +18,9 @@ from semianalytic.inversion.search import ROUNDS, minima, refine
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.scene import Scene
 

@@ -15,9 +15,9 @@ from compare.records.read import read_records
 from compare.records.record import AFTER, Array, Record, Records
 from compare.validation.readings import base_of
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene

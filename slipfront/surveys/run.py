@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike
 from compare.output.places import check_file
 from compare.tasks.workers import Progress, Task, run_tasks
 from semianalytic.results.files import Seal, check_seal, write_bytes
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
-from semianalytic.scene.given.arguments import checking
 from slipfront.surveys.parameters import Scene
 from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.fronts import Front
+from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.scene.errors import SceneError
@@ -45,7 +45,7 @@ class ActingLoads:
         self,
         of: str,
         base: Array,
-        loads: Sequence[InterfaceLoad | Front],
+        loads: Sequence[InterfaceLoad | ActingFront],
         x: Array,
         touching: NDArray[np.bool_],
         step: float = 0.0,
@@ -53,7 +53,7 @@ class ActingLoads:
         self._of, self._base, self._x, self._free = of, base, x, ~touching
         self._spread = (float(x[1] - x[0]), step)
         # The field of a load that is a product of space and time is sampled only once.
-        self._parts: list[tuple[Array | None, InterfaceLoad | Front]] = []
+        self._parts: list[tuple[Array | None, InterfaceLoad | ActingFront]] = []
         for load in loads:
             if load.acts(of):
                 shape = None
@@ -69,7 +69,7 @@ class ActingLoads:
         """
         line, slot = self._base.copy(), self._base.copy()
         for shape, load in self._parts:
-            if isinstance(load, Front):
+            if isinstance(load, ActingFront):
                 value = load.traction(self._x, time, after, self._of, self._spread)
             elif shape is None:
                 value = moving(getattr(load, self._of), self._x, time, self._spread[0])
@@ -118,7 +118,7 @@ def times_of_loads(end_time: float) -> Array:
 
 
 def check_even(
-    scene: Scene, loads: Sequence[InterfaceLoad | Front], grid: Grid, end_time: float
+    scene: Scene, loads: Sequence[InterfaceLoad | ActingFront], grid: Grid, end_time: float
 ) -> None:
     """Raise SceneError if what is called even in x is not: each field at the nodes of the contact,
     each parameter of the law, and each load, also at times until an end time [time]."""

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Front(FrontLoad):
+class ActingFront(FrontLoad):
     """A front between the bodies of a scene, S f(t - p (x - at)).
 
     At nodes it rises over the time in which the front crosses a node distance, but not faster than
@@ -38,9 +38,9 @@ class Front(FrontLoad):
     Examples
     --------
     >>> from semianalytic import IncidentWave, Material
-    >>> from semianalytic.engine.stepping.fronts import Front
+    >>> from semianalytic.engine.stepping.fronts import ActingFront
     >>> wave = IncidentWave("SH", angle=-30.0, stress=2.0)
-    >>> front = Front(wave, at=4.0, material=Material(1.0, 1.0, 0.25))  # it is at 4 - 2 t
+    >>> front = ActingFront(wave, at=4.0, material=Material(1.0, 1.0, 0.25))  # it is at 4 - 2 t
     >>> front.traction([1.0, 3.0], 1.0).round(6) + 0.0
     array([ 0.      , -1.732051])
     """
@@ -108,7 +108,7 @@ class Front(FrontLoad):
         return np.asarray(size.real * factor)
 
 
-def acting_loads(scene: Scene) -> tuple[InterfaceLoad | Front, ...]:
+def acting_loads(scene: Scene) -> tuple[InterfaceLoad | ActingFront, ...]:
     """Return the loads of a scene, fronts between its bodies.
 
     Raises
@@ -118,12 +118,12 @@ def acting_loads(scene: Scene) -> tuple[InterfaceLoad | Front, ...]:
     """
     solids: dict[str, Any] = {"material": scene.material, "lower": scene.lower_material}
     loads = tuple(
-        Front(one.front, one.history, one.at, **solids) if isinstance(one, FrontLoad) else one
+        ActingFront(one.front, one.history, one.at, **solids) if isinstance(one, FrontLoad) else one
         for one in scene.loads
     )
     for load in loads:
-        ahead = isinstance(load, Front) and any(one.imag for one in load.amplitudes.values())
-        if isinstance(load, Front) and ahead and not comes_back(load.history):
+        ahead = isinstance(load, ActingFront) and any(one.imag for one in load.amplitudes.values())
+        if isinstance(load, ActingFront) and ahead and not comes_back(load.history):
             raise SceneError(
                 f"load: {load.front} is beyond a critical angle, so that the wave runs "
                 "along the interface ahead of the front; its history has to return to 0 by "

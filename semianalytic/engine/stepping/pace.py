@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.kernels import pair_of
-from semianalytic.engine.stepping.fronts import Front, acting_loads
+from semianalytic.engine.stepping.fronts import ActingFront, acting_loads
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
@@ -62,10 +62,10 @@ class LoadPace:
             waves = [1 / wave.frequency for wave in history.pieces.waves]
             if waves and not _rests(history, last, min(waves)):
                 last = math.inf
-            slowness = load.slowness if isinstance(load, Front) else 0.0
+            slowness = load.slowness if isinstance(load, ActingFront) else 0.0
             if slowness:
                 # the front passes all nodes of a period one after the other
-                assert isinstance(load, Front)
+                assert isinstance(load, ActingFront)
                 ends = slowness * (np.array([-0.5, 0.5]) * scene.period - load.at)
                 first, last = first + float(ends.min()), last + float(ends.max())
                 self._windows.append(LoadWindow(first, last, abs(slowness) * spacing))

@@ -163,6 +163,9 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
         out of range.
     """
     read = _Reading(folder, document.get("numbers", {}))
+    material = _solid("material", document["material"])
+    base = checked_table("base", document["base"])
+    check_keys("base.", base, ("pressure", "shear"))
     loads = document.get("load", {"pressure": 0.0, "shear": 0.0})
     if not isinstance(loads, list | dict):
         raise SceneError("load must be one table, [load], or several, [[load]].")
@@ -178,7 +181,7 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
     if "rate" in parts:
         parts["rate"] = read.field("rate", parts["rate"])
     friction: Any = document.get("friction")
-    if isinstance(friction, str | Mapping):
+    if friction is not None:
         friction = read.field("friction", friction)
     if "friction_law" in document:
         table = checked_table("friction_law", document["friction_law"])
@@ -198,9 +201,8 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
         check_keys("run.", parts["run"], (), _RUN)
     if "lower_material" in document:
         parts["lower_material"] = _solid("lower_material", document["lower_material"])
-    base = checked_table("base", document["base"])
     scene = Scene(
-        material=_solid("material", document["material"]),
+        material=material,
         friction=friction,
         base=Tractions(**{key: read.field(f"base.{key}", one) for key, one in base.items()}),
         load=tuple(given) if isinstance(loads, list) else given[0],

@@ -55,7 +55,7 @@ def read_scene(path: str | Path) -> Scene:
     lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.  A
     table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
-    A scene on a line has further keys (docs/files.md): ``contact = {intervals = [[-1, 1]]}``,
+    A scene on a line has further keys (docs/engine.md): ``contact = {intervals = [[-1, 1]]}``,
     ``period``, ``rate``, ``plate_rate``, ``held``, ``even``, several ``[[load]]`` with ``history``
     and ``on``, ``[adhesion]``, ``[numbers]`` and ``[run]``; tractions, loads and parameters of laws
     may be expressions of x or tables.  A number may have a unit, as in ``pressure = "5 MPa"``; all
@@ -76,11 +76,11 @@ def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         for key, now in _FORMER.items():
             if key in document:
-                raise SceneError(f"unknown key {key}; write {now} (docs/files.md).")
+                raise SceneError(f"unknown key {key}; write {now} (docs/engine.md).")
         whole = "load" in document or any(key in document for key in ("period", "run", "rate"))
         friction = () if "friction_law" in document else ("friction",)
-        needed = (*NEEDED, *friction, *(() if whole else ("load",)))
-        check_keys("", document, needed, (*TABLES, *KEYS))
+        needed = (*friction, *NEEDED, *(() if whole else ("load",)))
+        check_keys("", document, needed, [key for key in (*KEYS, *TABLES) if key not in needed])
         document = with_units(document)
         return scene_from_document(with_tables(path, document), Path(path).parent)
     except SceneError as error:

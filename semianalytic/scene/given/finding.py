@@ -9,9 +9,9 @@ from functools import partial
 from os import PathLike, fspath
 from pathlib import Path
 
+from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import Function, taking_quantities
 from semianalytic.scene.given.files import read_scene, scene_of_file
 from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.scene.given.named import NAMED_SCENES

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from semianalytic.interface.named import find_interface
 
 import semianalytic as sf
 from compare.comparison.interfaces import comparing
@@ -95,8 +94,7 @@ def test_slots_openings_and_halves_agree():
 
 
 def test_a_contact_that_opens_beside_a_slot_agrees():
-    tap = find_interface("tap")
-    judged = compare_interface(tap.interface, tap.end_time, 256)
+    judged = compare_interface(replace(sf.find("tap"), period=10.0), 1.0, 256)
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows} == {"gap", "pressure", "local", "law"}
 
@@ -187,7 +185,7 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
         "nodes": judged.prediction.nodes,
         "times": list(judged.prediction.interface.t),
     }
-    wrong = sf.solve(replace(face, shear=0.06), **given)
+    wrong = sf.solve(replace(face, base=sf.Tractions(1.0, 0.06)), **given)
     shown = judge_interface(
         changed(judged.prediction, shear_traction=wrong.interface.shear_traction),
         list(judged.case.simulations),
@@ -203,7 +201,7 @@ def test_rate_and_state_friction_agrees():
     assert {row.verdict for row in judged.rows} == {"agrees"}
     assert judged.rows[0].difference < 0.02
     wrong = sf.solve(
-        replace(fault, law=replace(law, evolution="slip")),
+        replace(fault, friction=replace(law, evolution="slip")),
         end_time=2.0,
         nodes=128,
         times=list(judged.prediction.interface.t),
@@ -215,15 +213,13 @@ def test_rate_and_state_friction_agrees():
     ("change", "options", "words"),
     [
         ({}, {"mesh_nodes": 100}, "mesh_nodes must be a multiple of 4 that divides"),
-        (None, {}, "must be an Interface"),
-        ({"law": sf.Coulomb(0.9)}, {}, "between these bodies is ill-posed"),
+        ({"friction": 0.9}, {}, "between these bodies is ill-posed"),
         ({"held": 3.0}, {}, "holds the mean slip"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(change, options, words):
-    face = None if change is None else replace(FAULT, **change)
     with pytest.raises(SceneError, match=words):
-        compare_interface(face, 2.0, 256, **options)
+        compare_interface(replace(FAULT, **change), 2.0, 256, **options)
 
 
 COMMON = ["compare", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
@@ -263,7 +259,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         comparing,
         "line_of",
-        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
+        lambda one, *grid: honest(replace(one, friction=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())

@@ -23,11 +23,13 @@ def pulled(tension, adhesion, pressure=0.5, length=1.0, law=None, history=None, 
 
 def parting(face, tension, t):
     """Gap (n,) at times t (n,): Z g' = tension - pressure - strength (1 - g / length)."""
-    bonds, z = face.adhesion, face.opening_impedance
-    rest, soft = tension - face.pressure - bonds.strength, bonds.strength / bonds.length
+    bonds, z = face.adhesion, face.material.density * face.material.longitudinal_speed / 2
+    rest, soft = tension - face.base.pressure - bonds.strength, bonds.strength / bonds.length
     apart = z / soft * math.log(1 + soft * bonds.length / rest)
     together = rest / soft * np.expm1(soft * np.minimum(t, apart) / z)
-    return np.where(t > apart, bonds.length + (tension - face.pressure) / z * (t - apart), together)
+    return np.where(
+        t > apart, bonds.length + (tension - face.base.pressure) / z * (t - apart), together
+    )
 
 
 def test_faces_under_uniform_tension_part_as_in_closed_form():

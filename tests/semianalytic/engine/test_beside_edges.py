@@ -45,7 +45,7 @@ def errors(pair, load, nodes, side=1, friction=0.005):
     done = held(pair, load, nodes, side, friction)
     reading = done.beside_edge(0.0)
     mirrored = load[0], side * load[1]  # x and shear change sign together
-    place, step = reading.distance[:8], done.scene.length / nodes
+    place, step = reading.distance[:8], done.scene.period / nodes
     found = side * reading.shear_traction[:8] + 1j * (PRESSURE - reading.pressure[:8])
     on = np.flatnonzero(done.interface.touching & (side * done.interface.x > 0))[::side][:8]
     raw = side * done.interface.shear_traction[-1, on] + 1j * (

@@ -170,7 +170,7 @@ def test_displaced_ends_are_told_and_estimated(truth):
             assert "node distances from where the grid has it; choose" in done.caution
             assert 1e-2 < error < done.error_estimates["slip"]
     assert "choose 520 nodes" in done.caution
-    odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
+    odd = replace(punch(), period=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
     assert "choose 72 nodes" in one_run(odd, 0.1, 68).caution
     assert "choose a period" in one_run(odd, 0.1, 64).caution
 
@@ -255,7 +255,7 @@ def test_the_file_of_the_page_runs(tmp_path, monkeypatch):
     table = "x [m],pressure [MPa]\n-8,4.8\n0,5\n8,4.8\n"
     (tmp_path / "pressure.csv").write_text(table, encoding="utf-8")
     found = sf.find(tmp_path / "fault.toml")
-    done = sf.solve(found.interface, end_time=found.end_time, **found.options)
+    done = sf.solve(found)
     assert done.status == "done"
     assert done.steps < 2000
 
@@ -348,7 +348,7 @@ def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact
 
 @pytest.mark.parametrize(
     ("length", "status", "caution"),
-    [(20.0, "done", ""), (14.0, "done", "arrived beyond"), (6.0, "unresolved", "raise `length`")],
+    [(20.0, "done", ""), (14.0, "done", "arrived beyond"), (6.0, "unresolved", "raise `period`")],
 )
 def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
     length, status, caution

@@ -7,6 +7,7 @@ import semianalytic as sf
 from docs.studies.lines import scene_along
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.hilbert import comes_back, transformed
 from tests.semianalytic.engine.runs import one_run
 
@@ -67,16 +68,16 @@ def test_a_wave_at_no_angle_is_a_load_of_the_line():
 
 
 def test_a_front_is_the_mean_of_its_load_over_a_node_distance():
-    wave = sf.FrontLoad(sf.IncidentWave("SH", -30.0, stress=2.0), at=4.0).of(THIRD)
+    wave = ActingFront(sf.IncidentWave("SH", -30.0, stress=2.0), at=4.0, material=THIRD)
     x = np.linspace(-4, 4, 161)
     step, smooth = wave.traction(x, 1.0), wave.traction(x, 1.0, spread=(0.5, 0.0))
     assert set(step) == {0.0, step[-1]}
     middle = np.abs(x - 2) < 0.25
     assert smooth[middle] == pytest.approx(step[-1] * ((x - 2) / 0.5 + 0.5)[middle])
     assert smooth.sum() == pytest.approx(step.sum(), abs=abs(step[-1]))  # one node
-    away = sf.FrontLoad(sf.MovingLoad(2.0, 0.5, 1.0)).of(THIRD)
+    away = ActingFront(sf.MovingLoad(2.0, 0.5, 1.0), material=THIRD)
     assert away.traction([-2.5, -1.5, 0.5], 1.0, of="pressure").tolist() == [0.0, 0.5, 0.0]
-    comes = sf.FrontLoad(sf.MovingLoad(-2.0, 0.5, 1.0), at=-1.0).of(THIRD)
+    comes = ActingFront(sf.MovingLoad(-2.0, 0.5, 1.0), at=-1.0, material=THIRD)
     assert comes.traction([-1.5, 0.5, 1.5], 1.0).tolist() == [1.0, 1.0, 0.0]
 
 

@@ -166,7 +166,7 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
     )
     one, other = (
         sf.solve(each, end_time=1.1, nodes=256, estimate=False, every=3)
-        for each in (base, replace(base, law=Unknown(**kept)))
+        for each in (base, replace(base, friction=Unknown(**kept)))
     )
     assert one.steps == other.steps > 64
     named = [(each, each.interface) for each in (one, other)]

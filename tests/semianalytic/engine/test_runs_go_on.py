@@ -199,10 +199,10 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     run(own, 0.2, 32, estimate=False).save(tmp_path / "own.h5")
     assert sf.Run.load(tmp_path / "own.h5", own).nodes == 32
     for other in (
-        {"length": 16.0, "contact": strip},
-        {"length": 8.0},
-        {"length": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
-        {"length": 8.0, "contact": strip, "even": True},
+        {"period": 16.0, "contact": strip},
+        {"period": 8.0},
+        {"period": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
+        {"period": 8.0, "contact": strip, "even": True},
     ):
         with pytest.raises(sf.DataFileError, match="is a run of another interface"):
             sf.Run.load(tmp_path / "own.h5", scene_along(UNIT, COULOMB, **other))

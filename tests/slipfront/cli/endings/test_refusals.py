@@ -79,7 +79,7 @@ REFUSED = {
             "compare ramp --lower-density 2",
             "shear_history: between different bodies the exact solver",
         ),
-        ("field two.toml --method space-time", "is for a Scene or Interface"),
+        ("field two.toml --method space-time", "is for a Scene, or"),
         ("fit slip.csv --scene preloaded --lower-density 2", OTHERWISE),
         ("solve two.toml --nodes 64", "is for the space-time solver; leave it out"),
         ("solve antiplane --lower-density 2", 'mode = "antiplane": between different bodies'),

@@ -80,7 +80,7 @@ def fault(tmp_path):
     """A file of an interface, and a record of slip on it that is a tenth too large."""
     (tmp_path / "fault.toml").write_text(FAULT)
     t = [0.5, 1.0, 1.5, 2.0]
-    done = solve(find("fault.toml").interface, end_time=2.0, nodes=32, times=t, estimate=False)
+    done = solve(find("fault.toml"), end_time=2.0, nodes=32, times=t, estimate=False)
     slip = done.at(done.interface.slip, np.array([-1.0]))[:, 0]
     rows = "".join(f"{at},-1,{1.1 * value}\n" for at, value in zip(t, slip, strict=True))
     (tmp_path / "slip.csv").write_text("t,x,slip\n" + rows)
