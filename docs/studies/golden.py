@@ -219,7 +219,9 @@ def recorded_run(found: Run) -> Answer:
 def labels() -> list[str]:
     """Return what the problems are called: names, and kinds of draws with their numbers."""
     names = [*NAMED_SCENES]
-    names += [f"interface {name}" for name in (*NAMED_LINES, "tap")]
+    lines = [*NAMED_LINES]
+    lines.insert(3, "tap")
+    names += [f"interface {name}" for name in lines]
     return names + [f"{kind} {at}" for kind, (_, count) in DRAWS.items() for at in range(count)]
 
 

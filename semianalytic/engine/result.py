@@ -97,10 +97,11 @@ class Run(LineAnswer):
 
     Examples
     --------
-    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, solve
-    >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
-    >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
-    >>> done = solve(patched, end_time=1.0, nodes=64)
+    >>> import semianalytic as sf
+    >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
+    >>> solid, base = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0)
+    >>> patched = sf.Scene(solid, 0.5, base, patch, contact=sf.Contact(), period=8.0)
+    >>> done = sf.solve(patched, end_time=1.0, nodes=64)
     >>> done.slip([0.1, 0.2], 1.0).shape, done.status
     ((2,), 'done')
     """
@@ -289,11 +290,11 @@ class Run(LineAnswer):
 
         Examples
         --------
-        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, solve
-        >>> push = InterfaceLoad(0.1, on="slot")
-        >>> contact = Contact([(-2.0, 2.0)])
-        >>> held = Interface(Material(1, 1, 0.25), Coulomb(0.5), 8.0, contact=contact, loads=[push])
-        >>> done = solve(held, end_time=0.5, nodes=128)
+        >>> import semianalytic as sf
+        >>> solid, contact = sf.Material(1, 1, 0.25), sf.Contact([(-2.0, 2.0)])
+        >>> push = sf.InterfaceLoad(0.1, on="slot")
+        >>> held = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
+        >>> done = sf.solve(held, end_time=0.5, nodes=128)
         >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """

@@ -116,8 +116,8 @@ def run(
     >>> law = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     >>> rock = sf.Material(shear_modulus=30e9, density=2700.0, poisson_ratio=0.25)
     >>> pushed = sf.InterfaceLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
-    >>> fault = sf.Interface(rock, law, length=8.0, pressure=1e6, shear=0.6e6, rate=1e-6,
-    ...                      loads=[pushed])
+    >>> base, everywhere = sf.Tractions(1e6, 0.6e6), sf.Contact()
+    >>> fault = sf.Scene(rock, law, base, pushed, contact=everywhere, period=8.0, rate=1e-6)
     >>> slow = sf.solve(fault, end_time=0.5, nodes=32)
     >>> bool(slow.slip.max() > 2e-6), slow.status
     (True, 'done')

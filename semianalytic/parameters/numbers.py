@@ -83,6 +83,8 @@ def numbers_of(scene: Any) -> dict[str, Number]:
     elif own is not None:
         _add_field(found, "friction", "1", scene.coefficient, ("law", "coefficient"))
     for part, prefix in _PARTS.items():
+        if part == "lower_material" and scene.on_line and scene.lower_material is None:
+            continue
         held = scene.bodies[1] if part == "lower_material" else getattr(scene, part)
         prefix = "wave_" if isinstance(held, IncidentWave) else prefix
         if isinstance(held, tuple):

@@ -145,7 +145,7 @@ def _of_run(
         )
     _check_faces(run, scene)
     records = (*run.stations, *run.points)
-    if isinstance(scene, Scene):
+    if scene is not None and not scene.on_line:
         records = tuple(one for one in records if one.y is not None or one.x > 0)
         dropped = len(run.stations) + len(run.points) - len(records)
         if dropped:

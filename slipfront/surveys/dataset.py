@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.material import Material
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.surveys.parameters import MATERIAL, Array
 from slipfront.surveys.plan import SurveyPlan, of_two_bodies
@@ -64,7 +63,7 @@ def variables_of(plan: SurveyPlan, chunks: Chunks) -> dict[str, Variable]:
 
 def _bodies(plan: SurveyPlan) -> dict[str, Material]:
     """Return the bodies whose wave speeds are told, by the prefix of their names."""
-    if isinstance(plan.scene, Scene) and of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
+    if of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
         return dict(zip(("", "lower_"), plan.scene.bodies, strict=True))
     return {"": plan.scene.material}
 
@@ -144,7 +143,7 @@ def coordinates(
             attrs = {"units": unit(dimension, plan.scene.units), "long_name": meaning}
             result[name] = (name,), np.array(samples), attrs
     result["edge"] = ("edge",), np.array(["inner", "outer"]), {}
-    if isinstance(plan.scene, Scene):
+    if not plan.scene.on_line:
         result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
     return result
 

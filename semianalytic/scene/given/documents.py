@@ -34,7 +34,7 @@ MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 _LINE = {"period": math.inf, "rate": 0.0, "plate_rate": 0.0, "held": math.inf, "even": False}
 """Keys of a scene on a line besides tables, and what they are by default."""
 _RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
-_TAKEN = ("friction", *_LINE, *MATERIAL)
+_TAKEN = ("friction", "viscosity", "angle", *_LINE, *MATERIAL)
 """Names of parameters that named numbers cannot have."""
 _POINTS, _TIMES = 257, 9
 """Positions and times at which functions are sampled to tell one scene from another."""

@@ -50,8 +50,8 @@ def test_different_bodies_agree(judged):
     ("change", "kind"),
     [
         ({"material": GOUGE, "lower_material": ROCK}, "pressure"),
-        ({"law": sf.Coulomb(0.44)}, "slip"),
-        ({"shear": -0.3}, "slip"),
+        ({"friction": 0.44}, "slip"),
+        ({"base": sf.Tractions(FAULT.base.pressure, -0.3)}, "slip"),
         ({"lower_material": None}, "slip"),
     ],
 )
@@ -245,8 +245,8 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--resolution", "128"], "is for scenes; leave it out"),
-        (["--from", "a"], "is for scenes; leave it out"),
+        (["--resolution", "128"], "is for scenes with a slot; leave it out"),
+        (["--from", "a"], "is for scenes with a slot; leave it out"),
         (["--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
     ],
 )
@@ -268,9 +268,9 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
 def test_an_interface_on_which_nothing_happens_agrees(tmp_path, capsys):
     path = tmp_path / "quiet.toml"
     path.write_text(
-        "length = 16.0\nshear = 0.1\n"
+        "period = 16.0\ncontact = 'whole line'\nfriction = 0.3\n"
         "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
-        "[law]\nkind = 'coulomb'\nfriction = 0.3\n[run]\nend_time = 0.5\nnodes = 64\n"
+        "[base]\npressure = 1.0\nshear = 0.1\n[run]\nend_time = 0.5\nnodes = 64\n"
     )
     main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())

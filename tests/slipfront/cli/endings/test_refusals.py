@@ -147,9 +147,8 @@ REFUSED = {
         ("12cm,2300,0.25", "--upper: the shear modulus must be a number alone or in Pa"),
     ],
     "fit slip.csv --scene fault.toml --noise slip=0.2 --parameters": [
-        ("law.dyn", "must be among length, pressure"),
-        ("gain --friction 0.3", "--friction: an interface takes no other"),
-        ("law.distance --prior law.distance=normal(1mm,1)", "unit"),
+        ("law.dyn", "must be among friction, shear_modulus"),
+        ("friction_law.distance --prior friction_law.distance=normal(1mm,1)", "unit"),
         ("gain --nodes 30", "multiple of 4"),
     ],
     "compare stuck": [

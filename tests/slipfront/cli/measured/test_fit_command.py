@@ -89,8 +89,8 @@ def fault(tmp_path):
 def test_a_gain_is_fitted(fault, printed):
     document = printed("fit slip.csv --scene fault.toml --noise slip=0.2 --parameters gain", 4)
     assert document["parameters"]["gain"]["value"] == pytest.approx(1.1, abs=0.02)
-    assert document["scene"]["interface"]["law"]["kind"] == "SlipWeakening"
-    assert document["scene"]["options"]["nodes"] == 32
+    assert document["scene"]["friction_law"]["kind"] == "slip-weakening"
+    assert document["scene"]["run"]["nodes"] == 32
 
 
 # --- records of a march in PMMA, as they are committed --------------------------------------------
