@@ -110,7 +110,7 @@ def survey_command(
         typer.Option(
             metavar="NAME=VALUES",
             help="Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
-            "interface, such as law.distance=1e-5:1e-4:10:log.",
+            "interface, such as friction_law.distance=1e-5:1e-4:10:log.",
         ),
     ] = None,
     together: Annotated[

@@ -198,6 +198,7 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     own = scene_along(UNIT, COULOMB, 8.0, contact=strip)
     run(own, 0.2, 32, estimate=False).save(tmp_path / "own.h5")
     assert sf.Run.load(tmp_path / "own.h5", own).nodes == 32
+    assert sf.Run.load(tmp_path / "own.h5").scene == own
     for other in (
         {"period": 16.0, "contact": strip},
         {"period": 8.0},
