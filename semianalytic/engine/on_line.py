@@ -38,6 +38,7 @@ MOST_OFF = 0.1
 class LineAnswer(Questions, Gridded):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 
+    method = "space-time"
     interface: Any
 
     @cached_property

@@ -16,13 +16,14 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.prediction import predict_like
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
 from compare.figures.style import look
 from docs.studies.runner import Point, Row, Study, main
 from semianalytic import find
 from semianalytic.finding import kinds_of
+from semianalytic.results.answer import method_of
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
