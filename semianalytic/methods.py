@@ -79,6 +79,8 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
         what = f"{name} for a {type(problem).__name__}"
         raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which knows {takes}.")
     answer = solver.solve(problem, **settings)
+    if getattr(answer, "method", "") == _OWN[0]:  # which is saved as its question
+        object.__setattr__(answer, "settings", settings)
     logging.getLogger(__name__).info("a %s by %s: %r", type(problem).__name__, name, answer)
     return answer
 
