@@ -22,13 +22,13 @@ from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
 from semianalytic import Marched, Scene, Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.finding import find
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import method_of
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import (
+    find,
     find_scene,
     scene_folder,
     scene_label,
