@@ -74,8 +74,6 @@ class CanonicalFunction:
 
     Attributes
     ----------
-    factors : RayleighFactors
-    panels : Panels
     resistance : array that broadcasts to (p, ..., n), or None
         eta = dtau/d|V| at the nodes [mu b], of the one-sided slip rate; None if strength does not
         depend on slip rate.  Slip that covers c is then to be cut there.

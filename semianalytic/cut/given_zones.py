@@ -27,12 +27,9 @@ class GivenZones:
 
     Attributes
     ----------
-    factors : RayleighFactors
-    load : Load
     zones : tuple of Zone
         From the longitudinal front inward, in slowness; their edges may hold several
         neighbouring sets at once (see `panels`).
-    rule : Rule
     tail : bool
         Whether the fields behind the last edge are included.
     closing : tuple of (edge, r)

@@ -31,8 +31,6 @@ class PressurePart:
 
     Attributes
     ----------
-    load : Load
-    canonical : CanonicalFunction
     sense : int
         s, the sense of the zone next to the contact edge; 0 without zones.
     opened : (p, ..., n) array or None

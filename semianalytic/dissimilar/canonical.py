@@ -41,7 +41,6 @@ class Glued:
 
     Attributes
     ----------
-    compliance : Compliance
     nodes : (n,) complex array
         z_j; their conjugates belong to the rule as well.
     right, left : (n, 2, 2) complex arrays

@@ -49,7 +49,6 @@ class Roots:
 
     Attributes
     ----------
-    body : Body
     alpha, beta : complex arrays, sqrt(a^2 - k^2) and sqrt(b^2 - k^2)
     square : array, k^2
     """
@@ -176,12 +175,7 @@ class Entries:
 
 @dataclass(frozen=True)
 class Compliance:
-    """Two half-planes on one another.
-
-    Attributes
-    ----------
-    upper, lower : Body
-    """
+    """Two half-planes on one another."""
 
     upper: Body
     lower: Body
@@ -255,7 +249,6 @@ class Compliance:
 
         Parameters
         ----------
-        v : array
         from_fronts : (4, ...) array, optional
             v less each of the fronts, where the differences of v would lose digits.
         """

@@ -76,7 +76,6 @@ def growing_waves(
 
     Parameters
     ----------
-    compliance : Compliance
     friction : float
         s f: the friction coefficient, negative where the upper body slides towards -x.
     delay : float

@@ -27,7 +27,6 @@ class StretchPhase:
 
     Attributes
     ----------
-    stretch : Stretch
     x : (n,) array
         Points in increasing order.
     phase : (n,) array
@@ -50,7 +49,6 @@ class CutPhase:
 
     Attributes
     ----------
-    compliance : Compliance
     function : callable
         Values (n,) from the entries of the compliance at n slownesses.
     """

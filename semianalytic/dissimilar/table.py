@@ -35,10 +35,8 @@ class Intervals:
 
     Attributes
     ----------
-    stretch : Stretch
     start, length : float
         The intervals are start + i length ... start + (i + 1) length.
-    count : int
     """
 
     stretch: Stretch
@@ -64,7 +62,6 @@ class Series:
 
     Attributes
     ----------
-    intervals : Intervals
     coefficients : (f, count, m) array
         Chebyshev coefficients; beyond the intervals functions keep their last values.
     """

@@ -45,12 +45,7 @@ RealFunction = Callable[[float], float]
 
 @dataclass(frozen=True, eq=False)
 class PhaseIntegrals:
-    """Integrals of theta over slowness, from the first wave to any edge.
-
-    Attributes
-    ----------
-    phase : SlipPhase
-    """
+    """Integrals of theta over slowness, from the first wave to any edge."""
 
     phase: SlipPhase
 

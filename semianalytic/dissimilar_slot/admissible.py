@@ -37,7 +37,6 @@ class BrokenLaw:
         Index of the zone, -1 on stick.
     sense : int
         Sign of the shear traction or of the slip rate there.
-    left : float
     right : float or None
         None: up to the contact edge.
     """

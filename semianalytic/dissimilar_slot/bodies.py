@@ -40,7 +40,6 @@ class BodyFace:
 
     Attributes
     ----------
-    density : Density
     below : bool
         Whether it is the lower body.
     poisson_ratio : float
@@ -196,8 +195,6 @@ class PairBodies:
 
     Attributes
     ----------
-    scene : Scene
-    density : Density
     stress_unit : float
         Unit of stress [stress].
     """

@@ -156,10 +156,7 @@ def _share(one: Array, other: Array) -> float:
 
 
 def differentiated(
-    own: Member,
-    name: str,
-    known: tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]],
-    status: str,
+    own: Member, name: str, known: tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]], status: str
 ) -> PairDerivative:
     """Return the derivative of a solved pair with respect to one of `PARAMETERS`.
 
@@ -167,7 +164,6 @@ def differentiated(
     ----------
     own : Member
         The pair as it was solved.
-    name : str
     known : (slip zones, openings)
         Those of the solution.
     status : str

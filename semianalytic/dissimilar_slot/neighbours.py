@@ -50,8 +50,6 @@ class Member:
 
     Attributes
     ----------
-    scene : Scene
-    profile : PairProfile
     stress : float
         Unit of stress of the profile.
     """
@@ -94,10 +92,8 @@ class Varied:
 
     Attributes
     ----------
-    own : Member
     beside : tuple of Member
         At `_POINTS` times `step` of the parameter.
-    step : float
     """
 
     own: Member

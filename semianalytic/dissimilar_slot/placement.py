@@ -132,12 +132,8 @@ class PlacedZones:
 
     Attributes
     ----------
-    coordinates : Coordinates
     unknowns : (e,) array
     inverse : (e, e) array, inverse Jacobian of the mismatch
-    density : Density
-    converged : bool
-    steps : int
     move : float
         Largest change of an unknown in the next step.
     """

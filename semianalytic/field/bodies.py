@@ -44,7 +44,6 @@ class Bodies:
 
     Attributes
     ----------
-    scene : Scene
     shear : ZoneFields
         Fields of the shear tractions on the cut, b = mu = 1 and in `stress_unit`.
     opened : ZoneFields or None

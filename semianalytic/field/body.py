@@ -50,7 +50,6 @@ class Sent:
 
     Attributes
     ----------
-    primitives : Primitives
     mirrored : (7,) or (4,) array
         Signs that turn all its fields in the upper half-plane into those of a lower body, which is
         its mirror image; 4 in antiplane shear.
@@ -70,7 +69,6 @@ def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array,
 
     Parameters
     ----------
-    parts : sequence of Sent
     quantity : {"velocity", "stress", "displacement"}
     at : three (m,) arrays
         x, y and t > 0; points whose y has a negative sign, -0.0 included, are in the lower body.
@@ -189,7 +187,6 @@ class WaveSource(NamedTuple):
 
     Attributes
     ----------
-    slowness : float
     parts : (p, f) array
         Which densities are its own.
     fields : (q, p) array

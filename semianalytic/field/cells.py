@@ -63,12 +63,7 @@ other and of the first."""
 
 @dataclass(frozen=True)
 class Primitives:
-    """Integrals of all densities (see `waves`), and the density of v_x in the S wave.
-
-    Attributes
-    ----------
-    source : Source
-    """
+    """Integrals of all densities (see `waves`), and the density of v_x in the S wave."""
 
     source: Source
     _cells: dict[Cell, Complex] = field(default_factory=dict, repr=False)

@@ -83,12 +83,7 @@ def _order(one: Centre, other: Centre) -> int:
 
 @dataclass(frozen=True)
 class LikeBody:
-    """The surface of a body that touches one of its own kind, under tractions of one mode.
-
-    Attributes
-    ----------
-    transform : Transform
-    """
+    """The surface of a body that touches one of its own kind, under tractions of one mode."""
 
     transform: Transform
 

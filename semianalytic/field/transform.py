@@ -238,7 +238,6 @@ class _Seen(NamedTuple):
     inner, outer : (2, p) arrays
         Coefficients of the sums over nodes that are far nearer to 0, in (within / k)^j / k, and
         over those that are far beyond, in (k / beyond)^j; p = 0 without such nodes.
-    within, beyond : float
     """
 
     place: Array

@@ -51,7 +51,6 @@ class Slowness:
 
     Attributes
     ----------
-    factors : RayleighFactors
     k : (...) array
     from_left, from_right : (3, ...) arrays
         k + a, k + b, k + c, and k - a, k - b, k - c.
@@ -134,7 +133,6 @@ def radiated(
 
     Parameters
     ----------
-    at : Slowness
     motion : pair of (...) arrays
         Transforms of the rates V_x and V_y of the surface.
     tractions : pair of (...) arrays

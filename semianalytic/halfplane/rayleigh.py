@@ -33,7 +33,6 @@ class RayleighFactors:
 
     Attributes
     ----------
-    poisson_ratio : float
     mode : "I", "II" or "III"
         Mode of the impedance M where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2 with
         r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, it is (b + k)^1/2.

@@ -64,7 +64,6 @@ class StuckTraction:
 
     Attributes
     ----------
-    factors : RayleighFactors
     mode : "I", "II" or "III"
     slowness : float
         p, that of the front of the load over the slot, below the first front [b].
@@ -223,7 +222,6 @@ def front_share(material: Material, slowness: float, mode: Mode) -> float:
 
     Parameters
     ----------
-    material : Material
     slowness : float
         p, that of the front along x [time / length], below that of the first wave.
     mode : "I", "II" or "III"

@@ -67,10 +67,8 @@ def intensity_history(
 
     Parameters
     ----------
-    history : LoadHistory
     load : Tractions
         Amplitudes (P_0, Q_0).
-    material : Material
     t : times [time], any shape.
     shear_mode : "III" for K_III in place of K_II.
     """

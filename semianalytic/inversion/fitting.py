@@ -189,10 +189,7 @@ def _trials(
 
 
 def _check(
-    gauges: tuple[Gauge, ...],
-    scene: Scene,
-    names: tuple[str, ...],
-    priors: Mapping[str, Prior],
+    gauges: tuple[Gauge, ...], scene: Scene, names: tuple[str, ...], priors: Mapping[str, Prior]
 ) -> None:
     """Raise SceneError if the records cannot be fitted with these parameters."""
     for gauge in gauges:

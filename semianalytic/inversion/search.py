@@ -36,9 +36,7 @@ class Minimum:
     Attributes
     ----------
     scaled : (p,) array, values over sizes
-    chi2 : float
     jacobian : (n, p) array
-    converged : bool
     """
 
     scaled: Array

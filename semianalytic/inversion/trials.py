@@ -29,9 +29,6 @@ class Trials:
 
     Attributes
     ----------
-    samples : Samples
-    unknowns : Unknowns
-    priors : mapping from names to Prior
     rtol : float
         Of solutions.
     count : int

@@ -63,9 +63,6 @@ class Unknowns:
 
     Attributes
     ----------
-    names : tuple of str
-    scene : Scene
-    setup : Setup
     duration : float
         Of the records [time].
     """

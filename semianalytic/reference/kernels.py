@@ -267,7 +267,6 @@ def interface_traction(
         Of the upper face: tangential velocity in modes II and III, normal velocity in mode I.
     mode : "II" for the shear traction sigma_xy, "III" for sigma_yz, "I" for the pressure (positive
         if the faces are driven apart).
-    material : Material
     x, t : positions other than 0 [length] and times [time]; they broadcast.
     slot : "free" for slot faces without traction, so that the value at x < 0 is 0; "held" for
         slot faces kept from moving along, the article's (4.31), (4.37), which takes tractions

@@ -249,12 +249,7 @@ class _PolishedZones:
 
 
 def _polished(
-    sets: ZoneSets,
-    start: Array,
-    inverse: Array,
-    contraction: Array,
-    rtol: float,
-    tolerance: float,
+    sets: ZoneSets, start: Array, inverse: Array, contraction: Array, rtol: float, tolerance: float
 ) -> _PolishedZones:
     """Take chord steps on the rule of a tolerance until the mismatch is negligible.
 

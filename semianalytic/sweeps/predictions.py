@@ -127,14 +127,7 @@ def predicted(
     # On the fine rule itself nothing is lacking that the neighbours' estimates do not hold.
     lacking = np.where(loose > tolerance, SAFETY * shift * share, 0.0)
     return Predictions(
-        points,
-        unknowns,
-        doubt,
-        inverse,
-        others,
-        tolerance,
-        loose,
-        estimate + lacking,
+        points, unknowns, doubt, inverse, others, tolerance, loose, estimate + lacking
     )
 
 

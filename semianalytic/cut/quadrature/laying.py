@@ -89,9 +89,6 @@ def lay_panels(
 
     Parameters
     ----------
-    factors : RayleighFactors
-    zones : tuple of Zone
-    rule : Rule
     sets : tuple of int
         (k, 1) if there are k sets of zones whatever the shape of their edges.
     tail : bool

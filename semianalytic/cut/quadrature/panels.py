@@ -46,14 +46,12 @@ class Panels:
 
     Attributes
     ----------
-    layout : Layout
     left, right : tuple of CutPoints (right None on an unbounded last panel)
     ends : CutPoints of (m, ..., 1), all their ends
     widths : (m - 1, ..., 1) array, distances between consecutive ends
     from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
     at : CutPoints of (p, ..., n)
     skew : (p, ..., 1) array, rho of the maps
-    rule : Rule
     """
 
     layout: Layout

@@ -31,7 +31,6 @@ class Power:
 
     Attributes
     ----------
-    panel : int
     at_left : bool
         Whether the end is the left one.
     exponent, amount : (..., 1) arrays
@@ -174,7 +173,6 @@ class PanelIntegral:
 
     Attributes
     ----------
-    panels : Panels
     density : (p, ..., n) array
         g at the nodes, without its powers.
     c : float

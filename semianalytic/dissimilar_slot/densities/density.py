@@ -40,14 +40,12 @@ class OnPanel:
 
     Attributes
     ----------
-    panel : Panel
     rows : (r, m, 2) complex array
         The vectors g, one where it slips and two where it is open.
     turned : (r, m, 2) array
         Im g R(-v).
     sources : (n, 2, 2) array
         Psi^T / n_inf at the nodes.
-    entries : Entries
     rates : (m, 2, 2) array
         R(-v).
     poles : tuple of Pole
@@ -74,10 +72,6 @@ class Density:
 
     Attributes
     ----------
-    interface : LoadedBodies
-    glued : Glued
-    zones : tuple of MovingZone
-    parts : tuple of OnPanel
     slopes : tuple of (n, 2) arrays
         dV/dx and dU/dx at the nodes of every panel, times the spacing.
     amplitudes : tuple of (p, 2) arrays
@@ -277,14 +271,7 @@ def density_of(
         amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
         start += part.unknowns
     return Density(
-        interface,
-        glued,
-        tuple(zones),
-        parts,
-        tuple(slopes),
-        tuple(amplitudes),
-        matrix,
-        residual,
+        interface, glued, tuple(zones), parts, tuple(slopes), tuple(amplitudes), matrix, residual
     )
 
 

@@ -29,7 +29,6 @@ class LoadedBodies:
 
     Attributes
     ----------
-    compliance : Compliance
     friction : float
         f.
     resistance : float

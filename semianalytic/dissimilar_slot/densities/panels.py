@@ -80,13 +80,8 @@ class Panel:
     ----------
     zone : int
         Index of the zone.
-    sense : int
-    open : bool
-    stretch : Stretch
-    spacing : float
     first, count : int
         The nodes are (first + i) spacing, i = 0 ... count - 1.
-    left, right : End
     fall : float
         Power of v in omega between ends that are far apart.
     """
@@ -165,7 +160,6 @@ class Panel:
         ----------
         masses : (n, f) array
             J dw at the nodes.
-        place : float
         offset : (m,) array
         """
         points, h, nodes = self.points, self.spacing, slice(0, self.count)

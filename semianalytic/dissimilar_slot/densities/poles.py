@@ -32,10 +32,8 @@ class Pole:
 
     Attributes
     ----------
-    glued : Glued
     slowness : float
         c.
-    left, right : float
     direction : (float, float)
         n, the imaginary part of its second entry.
     """

@@ -18,12 +18,10 @@ class MovingZone:
 
     Attributes
     ----------
-    left : float
     right : float or None
         None if the zone reaches the contact edge.
     sense : int
         +1 where the upper body slips towards +x; for an opening, the sense of the slip ahead of it.
-    open : bool
     """
 
     left: float

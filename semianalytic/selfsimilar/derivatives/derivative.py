@@ -284,17 +284,12 @@ class Known:
 
 
 def differentiated(
-    scene: Scene,
-    surroundings: Surroundings,
-    stress: float,
-    known: Known,
-    name: str,
+    scene: Scene, surroundings: Surroundings, stress: float, known: Known, name: str
 ) -> Derivative:
     """Return the derivative of a solved scene with respect to one of its parameters.
 
     Parameters
     ----------
-    scene : Scene
     surroundings : Surroundings
         Neighbouring sets of the zones of the solution.
     stress : float
@@ -318,13 +313,7 @@ def differentiated(
     if status == "converged":
         status = border(scene, profile, name) or status
     return Derivative(
-        scene,
-        name,
-        _zones(scene, varied, known.zones),
-        status,
-        varied,
-        stress,
-        surroundings,
+        scene, name, _zones(scene, varied, known.zones), status, varied, stress, surroundings
     )
 
 

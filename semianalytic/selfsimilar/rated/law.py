@@ -65,7 +65,6 @@ class SlipRate:
 
     Attributes
     ----------
-    panels : Panels
     integral : PanelIntegral
         V from the left end of each panel.
     starts : (p,) array
@@ -102,10 +101,8 @@ class RateStep:
 
     Attributes
     ----------
-    law : UnitLaw
     load : Load
         Load without strength that depends on slip rate.
-    factors : RayleighFactors
     rate : SlipRate
         V_k as a function of slowness.
     layout : Layout

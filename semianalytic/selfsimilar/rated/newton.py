@@ -36,11 +36,8 @@ class Rated:
 
     Attributes
     ----------
-    placement : Placement
-    profile : Profile
     moves : tuple of float
         Largest change of V in each step, over the largest V.
-    converged : bool
     """
 
     placement: Placement
@@ -60,7 +57,6 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
         One set of zones, which may differ from `zones`.
     zones : sequence of Zone
         From the longitudinal front inward.
-    law : UnitLaw
     tolerance : float
         Tolerance of the quadrature rule.
     """

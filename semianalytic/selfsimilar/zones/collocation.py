@@ -147,7 +147,6 @@ def slip_on_grid(
 
     Parameters
     ----------
-    poisson_ratio : float
     load : Load of one scene
     size : int, number of nodes, about
     mode : "II", or "III" for antiplane shear

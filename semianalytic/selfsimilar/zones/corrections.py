@@ -148,10 +148,8 @@ def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) ->
 
     Parameters
     ----------
-    zones : sequence of Zone
     violations : list of Violation
         Violations of Coulomb's law in these zones.
-    load : Load
 
     Returns
     -------

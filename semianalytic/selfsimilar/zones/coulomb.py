@@ -46,7 +46,6 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
 
     Parameters
     ----------
-    profile : Profile
     rounding : float
         Excess that rounding explains, on all panels.
     mismatch : () or (k,) array

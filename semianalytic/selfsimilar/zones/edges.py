@@ -27,7 +27,6 @@ class Edges:
 
     Attributes
     ----------
-    factors : RayleighFactors
     kinds : tuple of Zone
         Zones from the longitudinal front inward, without their edges.
     open_ends : (bool, bool)

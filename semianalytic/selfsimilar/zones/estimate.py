@@ -60,10 +60,8 @@ def numerical_error(
 
     Parameters
     ----------
-    placement : Placement
     fields : ZoneFields
         Fields of the placement on the rule of the tolerance.
-    tolerance : float
     left : float
         Shift that another step would cause.
     """
@@ -188,7 +186,6 @@ def difference(
 
     Parameters
     ----------
-    edges : Edges
     unknowns, moved : (e,) or (e, k) arrays
         Edges that are right on the fine and on the coarse rule.
     fine, coarse : ZoneFields

@@ -25,7 +25,6 @@ class Guess:
 
     Attributes
     ----------
-    zones : sequence of Zone
     pivots : int
         Pivots of the complementarity problem that were needed.
     doubtful : bool

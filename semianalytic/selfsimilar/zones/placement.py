@@ -22,11 +22,9 @@ class Placement:
 
     Attributes
     ----------
-    edges : Edges
     unknowns : (e,) array
     inverse : (e, e) array
         Inverse Jacobian of the mismatch.
-    converged : bool
     steps : int
         Number of steps that were taken.
     """
@@ -70,7 +68,6 @@ def locate_edges(
         Quadrature rule of the mismatch.
     tolerance : float
         The steps end once the next one would shift the edges by less than this [c_t].
-    most_steps : int
 
     Returns
     -------
@@ -192,10 +189,8 @@ def polish_edges(
 
     Parameters
     ----------
-    placement : Placement
     fields : ZoneFields
         Fields of the placement, on any rule.
-    rule : Rule
     target : float
         The steps end once the next one would shift the edges by less than this [c_t].
 
