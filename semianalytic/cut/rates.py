@@ -60,16 +60,8 @@ class Rates:
         # A change of pressure moves the ends of the opening, and fields are not linear in these.
         if self.nonlinear or (load.opened and self.of_pressure):
             return None
-        friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
+        moved = ["base_shear", "load_shear", "far_slip_rate", "base_pressure", "load_pressure"]
         # d(f p) = df p + f dp, of which one part is zero.
         if self.friction or load.opened:  # whose pressure stays
-            friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
-        return replace(
-            load,
-            friction=friction,
-            base_pressure=pressures[0],
-            base_shear=self.base_shear,
-            load_pressure=pressures[1],
-            load_shear=self.load_shear,
-            far_slip_rate=self.far_slip_rate,
-        )
+            moved[3:] = ["friction"]
+        return replace(load, **{name: getattr(self, name) for name in moved})
