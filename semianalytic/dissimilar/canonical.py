@@ -132,18 +132,14 @@ def glued(compliance: Compliance, tolerance: float) -> Glued:
     ones = np.zeros((4 * len(nodes), 2))
     ones[0 : 2 * len(nodes) : 2, 0] = ones[1 : 2 * len(nodes) : 2, 1] = 1.0
     # t = 1 + K_r r and r = 1 + K_t t, real and imaginary parts of both rows
-    t = np.asarray(
-        np.linalg.solve(np.eye(len(ones)) - from_r @ from_t, ones + from_r @ ones), dtype=float
-    )
+    both = np.eye(len(ones)) - from_r @ from_t
+    t = np.asarray(np.linalg.solve(both, ones + from_r @ ones), dtype=float)
     r = ones + from_t @ t
     return Glued(compliance, nodes, of_r @ _complex(r), of_t @ _complex(t))
 
 
 def _operator(nodes: Complex, factors: Complex) -> Array:
-    """Return the matrix (4 n, 4 n) of x_j -> sum_j factors_j x_j / (z_j + z_i).
-
-    Conjugates are included, and real parts stand above imaginary ones.
-    """
+    """Return the matrix (4 n, 4 n) of x_j -> sum factors_j x_j / (z_j + z_i), real parts first."""
     size = 2 * len(nodes)
     own = np.einsum("ij,jab->iajb", 1 / (nodes + nodes[:, None]), factors).reshape(size, size)
     mirrored = np.einsum("ij,jab->iajb", 1 / (nodes.conj() + nodes[:, None]), factors.conj())

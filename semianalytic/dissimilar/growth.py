@@ -146,9 +146,8 @@ def _right_going(compliance: Compliance, friction: float, delay: float) -> list[
 def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[complex]:
     """Yield zeros of Phi in the quarter Re k < 0 < Im k as they settle, some more than once.
 
-    Newton's method works in the coordinate x of a stretch of the cut, in which the wave fronts near
-    the zeros are far away.  A step covers at most half of the way out of the half-plane.  All
-    stretches step together: zeros settle within ten steps, while hundreds of starts never do.
+    Steps are in x of a stretch, at most half of the way out of the half-plane, and all stretches
+    step together: zeros settle within ten steps, while hundreds of starts never do.
     """
     moving = {
         stretch: (_STARTS, np.zeros(_STARTS.shape, dtype=bool))

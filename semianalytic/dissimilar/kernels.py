@@ -72,10 +72,8 @@ class PairImpedance:
     def __call__(self, s: Complex) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, without the Stoneley wave, (3, n)."""
         poles, residues = self.lasting
-        waves = residues @ (1 / (s - poles[:, None])) + residues.conj() @ (
-            1 / (s - poles.conj()[:, None])
-        )
-        return np.asarray(self.at(s) - waves)
+        waves, mirrored = (1 / (s - one[:, None]) for one in (poles, poles.conj()))
+        return np.asarray(self.at(s) - (residues @ waves + residues.conj() @ mirrored))
 
     def at(self, s: NDArray[np.complexfloating]) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, (3, n)."""
@@ -154,11 +152,8 @@ class BodyPair:
 
     @property
     def fastest(self) -> float:
-        """c_t of both bodies, weighted by how far waves of each move its face [length / time].
-
-        The memory answers a fast change as the sum of both faces does, so this speed takes the
-        place of c_t in the bound on steps.
-        """
+        """c_t of both bodies, weighted by how far waves of each move its face [length / time]."""
+        # The memory answers fast changes as both faces do: this bounds steps in place of c_t.
         speeds = []
         for name in ("shear_speed", "longitudinal_speed"):
             # Under the same traction the softer face moves more, in proportion to 1 / (rho c).

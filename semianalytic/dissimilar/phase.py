@@ -112,7 +112,8 @@ class CutPhase:
             rate = np.abs(np.diff(part.phase) / np.diff(part.x))
             # A zero 1.7 away in x turns it as fast.  Uncut, densities converge at half the rate;
             # at 0.8 some took four rules to 1e-8, at 0.45 there are a fifth more cuts.
-            for top in np.flatnonzero((rate[1:-1] > 0.6) & _is_peak(rate)) + 1:
+            peak = (rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:])
+            for top in np.flatnonzero((rate[1:-1] > 0.6) & peak) + 1:
                 # Neighbouring points are about as far apart as the zero is from the cut.
                 fine = np.linspace(part.x[top - 1], part.x[top + 2], 121)
                 values = self._on(part.stretch, fine)
@@ -122,10 +123,7 @@ class CutPhase:
         return tuple(found)
 
     def _resolved(self, stretch: Stretch) -> tuple[Array, Complex]:
-        """Return points on a stretch between which the function turns little, and its direction.
-
-        About a zero on the cut they are as close as 1e-12.
-        """
+        """Return points on a stretch between which the function turns little, and its direction."""
         # exp(-38) of the slowness of a front is below its rounding.
         x = np.arange(-38.0, 38.25, 0.5)
         values = self._on(stretch, x)
@@ -149,11 +147,6 @@ class CutPhase:
         if not size.all():
             return self._on(stretch, np.where(size, x, x + 1e-10))
         return np.asarray(values / size)
-
-
-def _is_peak(rate: Array) -> np.ndarray:
-    """Tell which of the inner values of (n,) exceed both neighbours, (n - 2,)."""
-    return np.asarray((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]))
 
 
 @dataclass(frozen=True)
@@ -219,10 +212,8 @@ def bonded_phase(compliance: Compliance) -> CutPhase:
 
 def rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
     """Return the phases of R_1 and R_2, which vanish for the Rayleigh waves of the free bodies."""
-    return (
-        CutPhase(compliance, lambda entries: entries.rayleighs[0]),
-        CutPhase(compliance, lambda entries: entries.rayleighs[1]),
-    )
+    upper = CutPhase(compliance, lambda entries: entries.bodies[0].rayleigh)
+    return upper, CutPhase(compliance, lambda entries: entries.bodies[1].rayleigh)
 
 
 def contact_phase(compliance: Compliance, friction: float) -> CutPhase:

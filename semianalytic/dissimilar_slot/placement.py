@@ -22,9 +22,9 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.density import Density, density_of, exponents_of
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
-from semianalytic.dissimilar_slot.densities.panels import PanelRule, edge_exponents
+from semianalytic.dissimilar_slot.densities.panels import PanelRule
 from semianalytic.dissimilar_slot.densities.zones import (
     Coordinates,
     MovingZone,
@@ -84,18 +84,10 @@ class EdgeTractions:
 
 
 def edge_tractions(density: Density) -> EdgeTractions:
-    """Return the tractions at all edges, integrated from ahead of all waves, where they are those
-    of the base."""
-    interface, zones = density.interface, density.zones
-    exponents: dict[float, float] = {}
-    for before, zone, after in neighbours(zones):
-        left, right = edge_exponents(interface, before, zone, after)
-        exponents[zone.left] = left
-        if zone.right is not None and right is not None:
-            exponents[zone.right] = right
+    """Return the tractions at all edges, integrated from those of the base ahead of all waves."""
+    exponents, edges = exponents_of(density), edges_of(density.zones)
     # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
-    start, exponent, total, values = interface.compliance.first / 2, 0.0, np.zeros(2), []
-    edges = edges_of(zones)
+    start, exponent, total, values = density.interface.compliance.first / 2, 0.0, np.zeros(2), []
     for edge in edges:
         total = total + traction_change(density, start, edge, (exponent, exponents[edge]))
         values.append(total)
