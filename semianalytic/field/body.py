@@ -143,11 +143,8 @@ def _finite_or_not(
 
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Return the positions (m,) at t = 1 with the same fields, and times 1.
-
-    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
-    are limited to 1e16, and are put at the edge within 1e-16 of it.
-    """
+    """Return the positions (m,) at t = 1 with the same fields, and times 1."""
+    # Fields depend on x / t and y / t alone; displacement is proportional to t besides.
     with np.errstate(over="ignore"):
         # From 1e16 c_t t on fields are those at infinity, to rounding.
         x, y = (np.clip(one / t, -1e16, 1e16) for one in (x, y))
@@ -239,10 +236,7 @@ def waves(source: Source) -> tuple[WaveSource, ...]:
 
 
 def arrives(x: Array, y: Array, t: Array, s: float, front: float) -> np.ndarray:
-    """Return (m,) whether a wave of slowness s may have come to points.
-
-    `front` is the slowness p > 0 of a load that comes along the slot, else 0.
-    """
+    """Return (m,) whether a wave may have come, of a load whose front has slowness `front` or 0."""
     return t > front * x + np.sqrt((s - front) * (s + front)) * y
 
 
@@ -278,10 +272,9 @@ def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndar
 def upper(
     primitives: Primitives, x: Array, y: Array, t: Array, close: float, quantity: Quantity
 ) -> Array:
-    """Return the rows of a quantity at points (m,) of the upper body, y >= 0, t > 0.
+    """Return the rows (`PLANE` or `ALONG`) of a quantity at points (m,), y >= 0, t > 0.
 
-    They are those of `PLANE` or of `ALONG`.  Where they are singular, fields at the distance
-    `close` from the singularity are returned, at the contact edge ahead of it.
+    Singular ones are at the distance `close` from there, at the contact edge ahead of it.
     """
     # At the contact edge itself fields depend on the direction: those just ahead of it are meant.
     x = np.where((x == 0) & (y == 0), close * t, x)
@@ -306,29 +299,22 @@ def upper(
 
 
 def reflected(primitives: Primitives, x: Array, y: Array, t: Array, quantity: Quantity) -> Array:
-    """Return the rows of a quantity at points (m,) at times t <= 0, y >= 0.
-
-    They are the plane waves of a load that comes along the slot, and 0 without one.
-    """
+    """Return a quantity at points (m,) at t <= 0, y >= 0: plane waves of a load along the slot."""
     along = primitives.source.antiplane
     result = np.zeros((4 if along else 7, len(x)))
     if primitives.source.front:
         for wave in waves(primitives.source):
             here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front))
-            # Before anything comes from the edge the integrals are those right of the parting
-            # point.
-            parts = wave.parts @ np.repeat(
-                primitives.source.behind.imag[:, None], len(here), axis=1
-            )
-            result[:, here] += wave.rows(parts, x[here], y[here], t[here])
+            # Before anything comes from the edge integrals are those right of the parting point.
+            behind = np.repeat(primitives.source.behind.imag[:, None], len(here), axis=1)
+            result[:, here] += wave.rows(wave.parts @ behind, x[here], y[here], t[here])
     return result[(ALONG if along else PLANE)[quantity]] / np.pi
 
 
 def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
     """Return pi times all fields (7, m) where both waves nearly cancel, beside the edge.
 
-    The densities of both are added before they are integrated up to k_P; the S wave is then
-    integrated on to k_S.
+    Densities of both are added before integration to k_P; the S wave goes on alone to k_S.
     """
     k_p, a = slowness(x, y, t, primitives.source.slownesses[0]), primitives.source.slownesses[0]
     every = np.eye(len(primitives.source.behind))

@@ -90,10 +90,8 @@ class Transform:
 
     @cached_property
     def _borders(self) -> list[Centre]:
-        """Points where slip with resistance to slip rate borders on an opening.
-
-        T may behave like 1 / (k - border) there or worse, and is integrated with a factor k -
-        border for each.
+        """Where slip that meets resistance borders on an opening: T has a factor k - border for
+        each.
         """
         left = self.fields.panels.left
         return [Centre(-1, left[panel + 1], panel + 1) for panel, _ in self.fields.borders]
@@ -102,8 +100,8 @@ class Transform:
     def _right(self) -> Array:
         """T times its factors (2 n,) right of the cut, from its imaginary part on the cut.
 
-        Without borders T(k) = T(0) + k int dtau/dv / (v + k) dv; each border takes one more point
-        at which T is known.
+        T(k) = T(0) + k int dtau/dv / (v + k) dv; each border takes one more point at which T is
+        known.
         """
         panels, beyond = self.fields.panels, self._beyond[0]
         knots = self._knots
@@ -194,9 +192,8 @@ class Transform:
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
         """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
 
-        Each row extends over a ratio of distances from the centre of at most exp(pi / SECTORS), and
-        is summed alone, over nodes that its own distance selects, so that its digits do not depend
-        on the other rows.
+        Rows of a ratio of distances up to exp(pi / SECTORS) are summed alone, over nodes of their
+        own.
         """
         distances, place = self._offsets(centre), centre.place
         # T grows like k^1/2 at most, so the integrand falls like k^-3/2.
@@ -298,10 +295,7 @@ def powers(z: Numbers, count: int) -> Numbers:
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> Complex:
-    """Return sums (2, m) of two complex weights over place - at, (m,).
-
-    The weights are (n, 4), real and imaginary parts in turn.
-    """
+    """Return sums (2, m) of two complex weights (n, 4), parts in turn, over place - at."""
     real, imag = np.empty((2, len(at), 4))
     step = max(1, 60_000 // max(len(place), 1))  # kernel values that stay in the processor's cache
     for start in range(0, len(at), step):

@@ -146,26 +146,18 @@ def radiated(
     along, across, shearing, press = (part / k for part in (*motion, *tractions))
     difference = (a * a - 1) / (alpha + beta)  # alpha - beta
     sums = [along, across, 4 * (1 - a * a) * v_x + (1 - 2 * a * a) * press, press, shearing]
-    return np.stack(
-        [
-            shear,
-            *(compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)),
-            *(shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)),
-            *sums,
-            v_x,
-            v_y,
-            (alpha * along - beta * difference * v_y) / bulk,
-            (a * a * beta * across - alpha * difference * v_x) / bulk,
-        ]
-    )
+    sums += [v_x, v_y, (alpha * along - beta * difference * v_y) / bulk]
+    sums.append((a * a * beta * across - alpha * difference * v_x) / bulk)
+    of_p = [compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)]
+    of_s = [shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)]
+    return np.stack([shear, *of_p, *of_s, *sums])
 
 
 def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: float) -> Complex:
     """Return the change of all integrals from k > -p to k < -p for a load of slowness p, |p| < a.
 
-    The path passes above the pole k = -p of the densities, at which T has the residue -p times the
-    load.  It is i pi times a plane wave, that of the load before anything comes from the edge, and
-    `plane_wave` for p -> 0.
+    It is i pi times the plane wave of the load, by the residue of T at k = -p; `plane_wave` for p =
+    0.
     """
     k = np.array([-slowness + 0j])
     fronts = np.array([[factors.a], [1.0], [factors.in_plane.c]])
@@ -178,10 +170,9 @@ def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: 
 
 
 def plane_wave(transform: float, mode: Mode, a: float) -> Complex:
-    """Return the change of all integrals from 0 < k < a to -a < k < 0.
+    """Return the change of all integrals past the pole at 0, from k > 0 to k < 0.
 
-    The path passes above the pole of the densities at 0.  The change is i pi times a plane wave,
-    that of a traction that changes everywhere by `transform` = T(0).
+    It is i pi times the plane wave of a traction that changes everywhere by `transform` = T(0).
     """
     if mode == "III":
         return 1j * np.pi * transform * np.array([-1, 0, 1])

@@ -88,10 +88,7 @@ class StuckTraction:
         return v - self.slowness if self.slowness else v
 
     def derivative(self, u: ArrayLike) -> Array:
-        """Return d/du of the traction, Im M(-u + i0) / (pi kappa M_+(-p) (u - p) M_+(u)).
-
-        It is 0 for u < a.
-        """
+        """Return d/du, Im M(-u + i0) / (pi kappa M_+(-p) (u - p) M_+(u)); 0 for u < a."""
         u = np.asarray(u, dtype=float)
         inside = np.where(u > self.factors.a, u, 2.0)
         return np.where(u > self.factors.a, self.slope(self.factors.cut(inside)), 0.0)
@@ -161,10 +158,7 @@ class StuckTraction:
 
 
 class AntiplaneTraction(StuckTraction):
-    """The traction q* in mode III, (2/pi) (r - arctan r), for every solid.
-
-    r^2 is u/b - 1, over 1 - p/b for a front of slowness p.
-    """
+    """The traction q* in mode III, (2/pi) (r - arctan r) with r^2 = (u/b - 1) / (1 - p/b)."""
 
     def at(self, points: CutPoints) -> Array:
         """Return the traction at points on the cut; 0 ahead of the shear front."""

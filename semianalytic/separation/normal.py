@@ -93,10 +93,8 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> NormalField
     tolerance = max(rtol * RULE_SHARE, LEAST_TOLERANCE)
     of_load = poisson_ratio, load.base_pressure, load.load_pressure
     opening = opening_of(*of_load, tolerance, load.slowness)
-    while (
-        # Slip zones are placed with the rest of rtol, which the opening must not use up.
-        opening and opening.error > 0.2 * rtol and tolerance > LEAST_TOLERANCE
-    ):
+    # Slip zones are placed with the rest of rtol, which the opening must not use up.
+    while opening and opening.error > 0.2 * rtol and tolerance > LEAST_TOLERANCE:
         tolerance = max(tolerance * RULE_SHARE, LEAST_TOLERANCE)
         opening = opening_of(*of_load, tolerance, load.slowness)
     if opening is None:
