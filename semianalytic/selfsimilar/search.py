@@ -63,8 +63,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rule on which edges are located, the shift [c_t] that may be left, and the checking
-    rule."""
+    """The rule that locates edges, the shift [c_t] that may be left, and the checking rule."""
 
     locating: Rule
     shift: float
@@ -74,8 +73,7 @@ class _Rules:
 def _search(
     factors: RayleighFactors, load: Load, rtol: float, tolerance: float
 ) -> tuple[Trial, int]:
-    """Return lawful zones on the rule of a tolerance, trying one guess after another, and the
-    pivots."""
+    """Return lawful zones on the rule of a tolerance, guess after guess, and the pivots."""
     checking = rule_for(tolerance)
     shift = max(0.1 * rtol, 1e-7)  # shift of edges [c_t] that ends Newton's method
     trial = _unlawful(placement_of(factors, (), load), load, checking)
@@ -98,7 +96,6 @@ def loose_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[Tri
 
 def strict_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[Trial, int]:
     """Run `_search` for zones that slip so little that a loose rule does not show them."""
-    # What hardly slips is driven by less than a loose rule can tell.
     return _search(factors, load, _strict(rtol), min(loose_tolerance(rtol), 1e-9))
 
 

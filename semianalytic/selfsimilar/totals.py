@@ -57,12 +57,8 @@ class ContactTotals:
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]."""
         unit = self.rate_unit * self.stress_unit / self._speed
-
-        def at_slowness(u: Array) -> Array:
-            return np.asarray(dissipation(self.profile, u)[1])
-
         # At fixed x, an integral over time is x / c_t times one over slowness.
-        heat = over_slowness(self._speed, x, t, at_slowness)
+        heat = over_slowness(self._speed, x, t, lambda u: dissipation(self.profile, u)[1])
         return unit * np.asarray(x, dtype=float) * heat
 
     def power(self, t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> Array:
@@ -81,10 +77,7 @@ class ContactTotals:
         return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
 
     def _power_per_time(self, x: Array, time: Array) -> Array:
-        """Return the power beyond x over time, in units of `profile`.
-
-        Slip ahead of all waves counts from the longitudinal front.
-        """
+        """Return the power beyond x over time, in units of `profile`, behind the first front."""
         value = np.full(x.shape, self._whole_power)
         # Slip ahead of all waves dissipates without bound; counted from the longitudinal front,
         # what lies beyond x = inf is then minus infinity, and the power of the contact +infinity.

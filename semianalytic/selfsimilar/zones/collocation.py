@@ -197,16 +197,12 @@ def _slip_beside(
     free = is_open(opening, xi)
     bound = ~free
     # tau = 0 at the free nodes eliminates them (Schur complement).
-    inner = np.linalg.solve(
-        stiffness[np.ix_(free, free)],
-        np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]]),
-    )
+    beyond = np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]])
+    inner = np.linalg.solve(stiffness[np.ix_(free, free)], beyond)
     across = stiffness[np.ix_(bound, free)]
     reduced = stiffness[np.ix_(bound, bound)] - across @ inner[:, :-1]
-    rate = np.zeros(len(xi))
-    rate[bound], pivots = _complementary(
-        stuck[bound] - across @ inner[:, -1], strength[bound], reduced
-    )
+    rate, left = np.zeros(len(xi)), stuck[bound] - across @ inner[:, -1]
+    rate[bound], pivots = _complementary(left, strength[bound], reduced)
     rate[free] = inner[:, -1] - inner[:, :-1] @ rate[bound]
     return rate, pivots
 

@@ -111,8 +111,7 @@ def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Return the zones of a frictionless interface, which slips in either sense behind the first
-    front."""
+    """Return the zones of a frictionless interface, of either sense behind the first front."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
@@ -160,10 +159,9 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
 
 def _points_in_opening(profile: Profile) -> CutPoints:
-    """Return points in the opening in order of slowness: nodes of its panels, and more near c.
+    """Return points in the opening by slowness: nodes of its panels, and more near c.
 
-    Where the slip rate is a power beside an end, points that only rounding separates from the end
-    are left out.
+    Beside powers of slip rate those that only rounding separates from an end are left out.
     """
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)
@@ -174,9 +172,8 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     parts = [panels.at.parts[:, open_panels][:, off_ends]]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
-        near = np.exp(
-            np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E)
-        )
+        logs = np.log(tuning.NEAREST_TO_C), np.log(reach)
+        near = np.exp(np.arange(*logs, 1 / tuning.POINTS_PER_E))
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
         # V has a logarithm at c where the contact is open: its sense may change very close to c.

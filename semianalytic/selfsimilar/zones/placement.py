@@ -126,12 +126,7 @@ def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[A
 
 
 def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
-    """Return which edges (e,) are so close to the longitudinal front that the mismatch follows a
-    root.
-
-    Behind the front the pressure falls like the root of the distance, and the traction rises like
-    its cube.
-    """
+    """Return which edges (e,) are so close to the longitudinal front that a root counts."""
     if not load.load_pressure:
         return np.zeros(len(unknowns), dtype=bool)
     # A strip of 1e-18 is found in three steps by the root of its width, in twenty by its logarithm.
@@ -140,11 +135,7 @@ def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
 
 
 def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
-    """Return unknowns after a move by a linear model.
-
-    For `rooted` edges the model is linear in the root of their distance from the front; the unknown
-    is twice the logarithm of this root.
-    """
+    """Return unknowns after a move by a linear model, `rooted` ones by that of a root."""
     moved = unknowns + move
     # The root must remain positive, so that its relative decrease is bounded.
     bend = np.maximum(move[rooted] / 2, 1e-3 - 1)
@@ -153,8 +144,7 @@ def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
 
 
 def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
-    """Return (e,) the ratio by which an unknown changes faster with the mismatch at its new
-    place."""
+    """Return (e,) how much faster an unknown changes with the mismatch at its new place."""
     # d(unknown) = 2 d(root) / root, and the root changes by exp((moved - unknowns) / 2).
     return np.where(rooted, np.exp((unknowns - moved) / 2), 1.0)
 
@@ -162,10 +152,7 @@ def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
 def _damped(
     edges: Edges, unknowns: Array, move: Array, inverse: Array, load: Load, rule: Rule
 ) -> Array | None:
-    """Return unknowns after a move or a fraction of it; None if no fraction is accepted.
-
-    The edges must stay in order, and a long move must lead to a shorter one.
-    """
+    """Return unknowns after an admitted share of a move; a long one must shorten the next."""
     largest, rooted = float(np.abs(move).max()), _rooted(edges, unknowns, load)
     cautious = largest > 1.0  # longer moves are checked for natural monotonicity
     longest = float(np.abs(move[~rooted]).max(initial=0.0))

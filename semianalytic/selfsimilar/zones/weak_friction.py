@@ -107,8 +107,7 @@ def _gaps(
 ) -> list[tuple[CutPoints, CutPoints, int]]:
     """Return stick gaps where V changes sense, each with the sense of the zone ahead of it.
 
-    If they are too wide for the strip around c that slips backward, they join to a single gap,
-    which is twice as wide as the strip would be (docs/solver.md, "Weak friction and thresholds").
+    If too wide for the strip around c they are one, twice as wide (docs/solver.md).
     """
     widths = [_gap_width(profile, load, change) for change in changes]
     # Beside a narrow strip the ratio is below 4 / pi.
