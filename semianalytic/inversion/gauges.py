@@ -92,12 +92,10 @@ class Gauge:
         if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             known = ", ".join(QUANTITIES)
             raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
-        if self.on_interface:
-            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
-            if self.y is not None:
-                raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
-        else:
-            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
+        object.__setattr__(self, "x", checked_number("gauge: x", self.x))
+        if self.on_interface and self.y is not None:
+            raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
+        if not self.on_interface:
             if self.y is None:
                 raise SceneError(f"gauge: {self.quantity} is of the bodies; say at which y.")
             object.__setattr__(self, "y", checked_number("gauge: y", self.y))

@@ -182,29 +182,13 @@ def sealed_hdf5(path: str | Path) -> Iterator[Any]:
 
 
 def check_seal(path: str | Path) -> None:
-    """Raise an error unless a file ends in its seal.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If its seal is broken or missing.
-    """
+    """Raise OSError if a file cannot be read, ValueError if its seal is broken or missing."""
     if not has_seal(path):
         raise ValueError(_UNSEALED)
 
 
 def has_seal(path: str | Path) -> bool:
-    """Return whether a file ends in a seal.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If the seal does not match what comes before it.
-    """
+    """Return whether a file ends in a seal; raise ValueError if it does not match the rest."""
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         start = max(size - 160, 0)

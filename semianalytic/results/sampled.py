@@ -117,8 +117,15 @@ class SampledAnswer(Questions, Gridded):
         return onsets(self.interface, of, share)
 
     def _places(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=float)
-        _check_positions(x, self.interface.x)
+        x, nodes = contact_positions(x), self.interface.x
+        # Nodes are the middles of cells: the last ends as far beyond its node as the first begins
+        # before its own.
+        reach = nodes[-1] + nodes[0]
+        if np.any(x > reach * (1 + ROUNDING)):
+            raise SceneError(
+                f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it "
+                "on a greater length or to a later end time."
+            )
         return x
 
     def _between(self, values: Array, x: ArrayLike, t: ArrayLike) -> Array:
@@ -158,16 +165,3 @@ def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Ar
     before = (1 - along) * field[earlier, left] + along * field[earlier, right]
     after = (1 - along) * field[later, left] + along * field[later, right]
     return np.asarray((1 - on) * before + on * after)
-
-
-def _check_positions(x: Array, nodes: Array) -> None:
-    """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
-    contact_positions(x)
-    # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
-    # before its own.
-    reach = nodes[-1] + nodes[0]
-    if np.any(x > reach * (1 + ROUNDING)):
-        raise SceneError(
-            f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it on a "
-            "greater length or to a later end time."
-        )

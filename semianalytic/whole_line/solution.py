@@ -114,7 +114,9 @@ class LineSolution(SelfSimilarAnswer):
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Rate of the gap [length / time], 0 where closed; raises as `slip_rate`."""
         xi = self._velocity(x, t)
-        return self._opens * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+        return (
+            float(self.drive.opens) * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+        )
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip since t = 0 [length]; raises as `slip_rate`."""
@@ -122,7 +124,7 @@ class LineSolution(SelfSimilarAnswer):
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Gap between the sides [length], 0 where closed; raises as `slip_rate`."""
-        return self._opens * self._moved(x, t)
+        return float(self.drive.opens) * self._moved(x, t)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Shear traction [stress], 0 where open; raises as `slip_rate`."""
@@ -190,10 +192,6 @@ class LineSolution(SelfSimilarAnswer):
         return np.asarray(work)
 
     @property
-    def _opens(self) -> float:
-        return 1.0 if self.drive.opens else 0.0
-
-    @property
     def _stress_unit(self) -> float:
         drive = self.drive
         point = isinstance(drive.load, PointForce)
@@ -241,8 +239,3 @@ class LineSolution(SelfSimilarAnswer):
         # The integral of the rate over x grows as t, and its integral over time as t^2 / 2.
         unit = self._rate_unit * self.scene.material.shear_speed * area / 2
         return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
-
-    @cached_property
-    def excess_at_shear_wave(self) -> float:
-        """Traction ahead of the zone at the shear wave, above the base [stress]."""
-        return self._stress_unit * self.spreading.turning[0]

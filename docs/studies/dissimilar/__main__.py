@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
 from docs.studies.dissimilar import pairs
+from docs.studies.dissimilar.half_line import half_line_exponent, half_line_speed
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.thresholds import generalised_rayleigh_speed, growth_threshold
-from semianalytic.dissimilar.whole_line import half_line_exponent, half_line_speed
 from semianalytic.dissimilar_slot.solution import PairSolution
 
 MAPPED, FRICTIONS = (1.02, 4.0), (0.01, 1.25)
