@@ -9,25 +9,10 @@ from semianalytic.cut.load import Load
 
 @dataclass(frozen=True)
 class Rates:
-    """Derivatives of the load and the material with respect to a parameter.
+    """Derivatives with respect to a parameter: of the fields of `Load`, and of nu (1 or 0).
 
-    Attributes
-    ----------
-    friction : float
-        Derivative of the coefficient.
-    base_pressure, base_shear, load_pressure, load_shear : float
-        Derivatives of tractions [stress unit].
-    far_slip_rate : float
-        Derivative of V(inf) [stress unit / (mu b)].
-    resistance : float
-        Derivative of eta [mu b].
-    poisson_ratio : float
-        1 for the Poisson ratio itself.
-    slowness : float
-        Derivative of the slowness p of the front of the load [b].
-    front_excess : float
-        Derivative of the base shear less friction, where slip starts at the longitudinal front of
-        a base at friction; the base ahead of it then sticks [stress unit].
+    `front_excess` is that of the base shear less friction, where slip starts at the longitudinal
+    front of a base at friction; the base ahead of it then sticks [stress unit].
     """
 
     friction: float = 0.0

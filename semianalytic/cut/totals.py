@@ -117,13 +117,11 @@ def running_integrals(
 ) -> Array:
     """Return integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    The result at u (m,) is (2, m), in units b = mu = 1, with the one-sided slip rate. `weight` is a
-    function of panel, slowness and |V|, which is V times the sense of its panel. The first integral
-    is negative where the interface slips ahead of all waves and u is there. The rule is finer than
-    that of the panels: beyond the ends of the panels the second
-    integrand grows in another way than the slip rate, which shows between nodes.
+    They are (2, m), one-sided, b = mu = 1; `weight` is a function of panel, slowness and |V|.  The
+    first is negative where the interface slips ahead of all waves and u is there.
     """
     panels = profile.panels
+    # Beyond the ends of panels the second integrand grows in another way than the slip rate.
     # On the rule of the panels work between nodes was off by up to four tolerances, so by 0.1.
     rule = finer_rule(panels.rule, 0.8, panels.rule.further)
     front = panels.left[0].v[0]

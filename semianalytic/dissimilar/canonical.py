@@ -37,14 +37,9 @@ from semianalytic.halfplane.rayleigh import Array
 
 @dataclass(frozen=True, eq=False)
 class Glued:
-    """Psi and R of one pair of bodies.
+    """Psi and R of one pair of bodies, at nodes z_j whose conjugates belong to the rule as well.
 
-    Attributes
-    ----------
-    nodes : (n,) complex array
-        z_j; their conjugates belong to the rule as well.
-    right, left : (n, 2, 2) complex arrays
-        w_j (N(z_j)^(-T) - 1) r(-z_j) and w_j (N(z_j) - 1) t(z_j).
+    `right`, `left` (n, 2, 2) are w_j (N(z_j)^(-T) - 1) r(-z_j) and w_j (N(z_j) - 1) t(z_j).
     """
 
     compliance: Compliance

@@ -45,13 +45,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Roots:
-    """Roots alpha, beta and k^2 of one body at slownesses k, and functions formed from them.
-
-    Attributes
-    ----------
-    alpha, beta : complex arrays, sqrt(a^2 - k^2) and sqrt(b^2 - k^2)
-    square : array, k^2
-    """
+    """Roots alpha, beta and k^2 of one body at slownesses k, and functions formed from them."""
 
     body: Body
     alpha: Complex
@@ -101,13 +95,6 @@ class Entries:
     """The compliance matrix [[B, k D], [-k D, A]] times R_1 R_2 at slownesses k.
 
     Each entry is formed when it is first asked for: growing waves need two of them only.
-
-    Attributes
-    ----------
-    slowness : complex array
-        k.
-    bodies : tuple of Roots
-        Roots of the upper and of the lower body.
     """
 
     slowness: Complex
@@ -237,10 +224,7 @@ class Compliance:
     def on_cut(self, v: ArrayLike, from_fronts: Array | Complex | None = None) -> Entries:
         """Return the matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
 
-        Parameters
-        ----------
-        from_fronts : (4, ...) array, optional
-            v less each of the fronts, where the differences of v would lose digits.
+        `from_fronts` (4, ...) are v less each front where differences of v would lose digits.
         """
         v = np.asarray(v)
         if from_fronts is None:

@@ -25,17 +25,7 @@ _RATIO = 1.7
 
 @dataclass(frozen=True)
 class DelayedGrowth:
-    """The fastest growth under a delay t*.
-
-    Attributes
-    ----------
-    rate : float
-        G: growth rate times t*.
-    wave_number : float
-        q c_t t* of that wave, c_t of the upper body.
-    velocity : float
-        Velocity of its crests, over c_t of the upper body.
-    """
+    """The fastest growth rate times a delay t*, its q c_t t*, and its velocity over upper c_t."""
 
     rate: float
     wave_number: float

@@ -40,13 +40,7 @@ _LEAST_HEIGHT = 1e-8
 
 @dataclass(frozen=True)
 class GrowingWave:
-    """A wave along a sliding interface whose amplitude grows, in units of c_t of the upper body.
-
-    Attributes
-    ----------
-    slowness : complex
-        k with Im k > 0; the wave is exp(i q (x + t / k)).
-    """
+    """A wave exp(i q (x + t / k)), Im k > 0, that grows along the interface, over upper c_t."""
 
     slowness: complex
 

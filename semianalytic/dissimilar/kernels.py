@@ -30,13 +30,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class PairImpedance:
-    """Z_s, Z_n and H of two half-planes, in units of rho c_t and of c_t of the first one.
-
-    Parameters
-    ----------
-    first, second : Material
-        The solid whose units are used, on y > 0, and the other one.
-    """
+    """Z_s, Z_n and H of two half-planes, in units of rho c_t and c_t of the first, on y > 0."""
 
     first: Material
     second: Material

@@ -23,16 +23,7 @@ _LARGEST_TURN = 0.5
 
 @dataclass(frozen=True)
 class StretchPhase:
-    """The phase on one stretch.
-
-    Attributes
-    ----------
-    x : (n,) array
-        Points in increasing order.
-    phase : (n,) array
-    zeros : tuple of float
-        Slownesses at which the function vanishes.
-    """
+    """The phase at increasing x (n,) of one stretch, and slownesses where the function vanishes."""
 
     stretch: Stretch
     x: Array
@@ -42,15 +33,10 @@ class StretchPhase:
 
 @dataclass(frozen=True)
 class CutPhase:
-    """Phase of a function of the compliance that is regular on the cut.
+    """Phase of a function of the compliance, from its entries at n slownesses, regular on the cut.
 
     At a zero on the cut the phase grows by pi: any damping moves a wave that neither grows nor
     decays below the axis, past which the phase grows.
-
-    Attributes
-    ----------
-    function : callable
-        Values (n,) from the entries of the compliance at n slownesses.
     """
 
     compliance: Compliance
@@ -151,14 +137,9 @@ class CutPhase:
 
 @dataclass(frozen=True)
 class SlipPhase:
-    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2).
+    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2), where tau + s f sigma = -K W.
 
-    K relates slip to shear traction less friction: tau + s f sigma = -K W.
-
-    Attributes
-    ----------
-    numerator, denominator : CutPhase
-        Phases of (A + s f k D + eta (A B + k^2 D^2)) R_1 R_2 and (A B + k^2 D^2) R_1 R_2.
+    `numerator` and `denominator` are times R_1 R_2, the first with eta (A B + k^2 D^2) added.
     """
 
     numerator: CutPhase
@@ -188,15 +169,7 @@ class SlipPhase:
 
 
 def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0) -> SlipPhase:
-    """Return the phase of K + eta.
-
-    Parameters
-    ----------
-    friction : float
-        s f, the friction coefficient with the sense of slip.
-    resistance : float
-        eta, traction of a viscous film per relative slip rate.
-    """
+    """Return the phase of K + eta, for `friction` s f and a film of traction eta per slip rate."""
 
     def numerator(entries: Entries) -> Complex:
         value = entries.frictional(friction)

@@ -23,16 +23,7 @@ Values = NDArray[Any]
 
 @dataclass(frozen=True)
 class Points:
-    """Slownesses on a stretch with their distances from its ends.
-
-    Attributes
-    ----------
-    x : (n,) array
-        Coordinate on the stretch.
-    v : (n,) array
-    from_left, to_right : (n,) arrays
-        v - left and right - v; the latter is inf where there is no right end.
-    """
+    """Slownesses v at x of a stretch, v - left, and right - v, inf where there is no right end."""
 
     x: Values
     v: Values

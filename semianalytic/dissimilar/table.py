@@ -27,13 +27,7 @@ def _rules() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Intervals of one length in x on a stretch.
-
-    Attributes
-    ----------
-    start, length : float
-        The intervals are start + i length ... start + (i + 1) length.
-    """
+    """Intervals start + i length ... start + (i + 1) length in x on a stretch."""
 
     stretch: Stretch
     start: float
@@ -54,13 +48,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Several functions on intervals of one stretch.
-
-    Attributes
-    ----------
-    coefficients : (f, count, m) array
-        Chebyshev coefficients; beyond the intervals functions keep their last values.
-    """
+    """Chebyshev coefficients (f, count, m) of functions on intervals, constant beyond them."""
 
     intervals: Intervals
     coefficients: Array

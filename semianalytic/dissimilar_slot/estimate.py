@@ -14,9 +14,8 @@ from semianalytic.halfplane.rayleigh import Array
 def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     """Return the error estimate of placed zones on the rule of a tolerance.
 
-    The same zones are solved on a coarser rule.  The estimate comes from the shifts of the edges
-    that this rule asks for, over the lesser of the edge speed and the slowest wave speed, and from
-    the differences of rates and tractions.
+    It is from a coarser rule: the edges that it asks for, over the lesser of their speed and the
+    slowest wave speed, and differences of rates and tractions.
     """
     fine = placement.density
     coarse = density_of(fine.interface, fine.glued, fine.zones, rule_for(6.0 * tolerance))

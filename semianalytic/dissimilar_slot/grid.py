@@ -64,14 +64,7 @@ class SlownessGrid:
 
 @dataclass(frozen=True)
 class Seen:
-    """Slip rate and gap at the nodes of a grid.
-
-    Attributes
-    ----------
-    xi : (n + 1,) array
-    rate, gap : (n,) arrays
-        V and the gap over time.
-    """
+    """V and the gap over time (n,) at the nodes xi (n + 1,) of a grid."""
 
     xi: Array
     rate: Array
@@ -184,13 +177,7 @@ def _gap_from_rate(xi: Array) -> Array:
 
 
 def seen_on_grid(interface: LoadedBodies, size: int) -> Seen:
-    """Return slip and opening on a grid of about `size` nodes.
-
-    Raises
-    ------
-    ComputationError
-        If complementary pivoting fails.
-    """
+    """Return slip and opening on a grid of about `size` nodes; ComputationError if it fails."""
     grid = grid_of(interface.compliance, size)
     canonical = glued(interface.compliance, _TOLERANCE)
     stuck = grid.stuck @ canonical.constant(interface.load_shear, interface.load_pressure)
@@ -246,11 +233,7 @@ class _Run:
 
 
 def zones_seen(seen: Seen) -> tuple[MovingZone, ...]:
-    """Return the zones from the fastest wave inward, with edges between nodes of different state.
-
-    An opening has slip ahead of it and behind where it closes, a narrow zone if the grid shows
-    none.
-    """
+    """Return the zones from the fastest wave inward; openings have slip ahead and behind."""
     states = seen.states
     runs = [_Run(0, len(states), len(states))]  # nothing slips at the fastest wave
     for node in range(len(states) - 1, -1, -1):

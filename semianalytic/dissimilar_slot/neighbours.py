@@ -46,13 +46,7 @@ _POINTS, _WEIGHTS = FOURTH_ORDER
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A pair near another one, with its own edges, in the units of that pair's parameter.
-
-    Attributes
-    ----------
-    stress : float
-        Unit of stress of the profile.
-    """
+    """A pair near another one, with its own edges, and the unit of stress of its profile."""
 
     scene: Scene
     profile: PairProfile
@@ -88,13 +82,7 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Varied:
-    """A solved pair and its neighbours along a parameter.
-
-    Attributes
-    ----------
-    beside : tuple of Member
-        At `_POINTS` times `step` of the parameter.
-    """
+    """A solved pair and its neighbours at `_POINTS` times `step` of a parameter."""
 
     own: Member
     beside: tuple[Member, ...]

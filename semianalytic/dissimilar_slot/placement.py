@@ -47,13 +47,7 @@ _HARMLESS = 0.05
 def traction_change(
     density: Density, start: float, stop: float, exponents: tuple[float, float]
 ) -> Array:
-    """Return the changes of tau and sigma from one slowness to another, (2,).
-
-    Parameters
-    ----------
-    exponents : (float, float)
-        e of T ~ d^e at both ends; 0 where T is bounded.
-    """
+    """Return changes (2,) of tau and sigma between slownesses, T ~ d^e at both ends, or e = 0."""
     stretch = Stretch(start, stop)
     # The integrand falls to e^-30; no admissible edge has an exponent near -1.
     before, after = (30.0 / max(1 + min(e, 0.0), 0.05) for e in exponents)
@@ -67,13 +61,7 @@ def traction_change(
 
 @dataclass(frozen=True)
 class EdgeTractions:
-    """tau and sigma beyond the base at the edges of zones.
-
-    Attributes
-    ----------
-    edges : (e,) array
-    values : (e, 2) array
-    """
+    """tau and sigma (e, 2) beyond the base at the edges (e,) of zones."""
 
     edges: Array
     values: Array
@@ -120,14 +108,9 @@ def mismatch(density: Density) -> Array:
 
 @dataclass(frozen=True)
 class PlacedZones:
-    """Zones whose edges Newton's method has placed.
+    """Zones whose edges Newton's method has placed, with the inverse Jacobian (e, e) there.
 
-    Attributes
-    ----------
-    unknowns : (e,) array
-    inverse : (e, e) array, inverse Jacobian of the mismatch
-    move : float
-        Largest change of an unknown in the next step.
+    `move` is the largest change of an unknown in the next step.
     """
 
     coordinates: Coordinates

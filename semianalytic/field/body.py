@@ -46,14 +46,7 @@ ALONG: Mapping[Quantity, slice] = {
 
 @dataclass(frozen=True, eq=False)
 class Sent:
-    """What one source sends into the bodies, as a part of their fields.
-
-    Attributes
-    ----------
-    mirrored : (7,) or (4,) array
-        Signs that turn all its fields in the upper half-plane into those of a lower body, which is
-        its mirror image; 4 in antiplane shear.
-    """
+    """What a source sends, and the signs (7,), antiplane (4,), of its fields mirrored below."""
 
     primitives: Primitives
     mirrored: Array
@@ -163,14 +156,7 @@ def checked_points(x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Array, Arr
 
 
 def points_around(reach: float) -> tuple[Array, Array]:
-    """Return x and y (m,) of random points within twice the reach of waves, at which rules are
-    compared; half of them are near the edge.
-
-    Parameters
-    ----------
-    reach : float
-        Slowness of the slowest front or zone edge, over that of the unit of speed.
-    """
+    """Return random points (m,) within twice the slowest `reach`, half of them near the edge."""
     rng = np.random.default_rng(0)
     # With 30 and 120 estimates of four scenes differ by 5 % at most.
     angle, share = rng.uniform(size=(2, 60))
@@ -180,16 +166,10 @@ def points_around(reach: float) -> tuple[Array, Array]:
 
 
 class WaveSource(NamedTuple):
-    """A wave, and how its fields follow from the integrals of its densities.
+    """A wave of a slowness, and which densities are its own, (p, f).
 
-    Attributes
-    ----------
-    parts : (p, f) array
-        Which densities are its own.
-    fields : (q, p) array
-        Takes their integrals to pi times velocities and stresses.
-    moved : function
-        Takes their integrals (p, m) and x, y, t (m,) to pi times displacements.
+    `fields` (q, p) and `moved` take their integrals to pi times velocities and stresses, and
+    motion.
     """
 
     slowness: float

@@ -175,11 +175,7 @@ class Primitives:
         return order
 
     def _form(self, links: Mapping[Cell, _Link | None]) -> None:
-        """Add cells, each after the one from which it takes its constant.
-
-        Threads may form the same cell at once, with the same digits; a cell is complete when it is
-        added.
-        """
+        """Add cells, each after the one of its constant; threads may form the same one."""
         cells, count = list(links), len(self._pattern[1])
         fresh = np.empty((len(cells), count + 1, len(self.source.ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
@@ -215,11 +211,7 @@ class Primitives:
     def _add_constants(
         self, links: Mapping[Cell, _Link | None], fresh: Complex, middles: Complex
     ) -> None:
-        """Set the constants of new cells (c, n, f) so that each continues the one before it.
-
-        Polynomials are all evaluated at once where cells meet: digits do not depend on what else is
-        formed.
-        """
+        """Set constants of new cells (c, n, f), whose digits do not depend on other new ones."""
         numbers, kept = {cell: number for number, cell in enumerate(links)}, self.source.kept
         count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
         others = np.zeros_like(fresh[:, 1:])
@@ -258,11 +250,7 @@ class Primitives:
         return _pattern(22, 10)
 
     def __call__(self, k: Complex, close: float, mix: Array | Complex) -> Array:
-        """Return the imaginary parts of sums (g, m) of integrals at k (m,), Im k >= 0.
-
-        The rows of `mix` (g, f) hold factors of densities; singular ones are at the distance
-        `close`.
-        """
+        """Return imaginary parts of `mix` (g, f) of integrals at k (m,), or `close` to poles."""
         parting, (left, right) = self.source.places[self.source.parting], self.source.still
         still = (k.imag == 0) & (left < k.real) & (k.real < right) & (k != parting)
         if not still.any():

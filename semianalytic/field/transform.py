@@ -32,16 +32,9 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Centre:
-    """A point of the real axis: k = -v or v of a point on the cut, or 0 (None).
+    """A point of the real axis: k = -v or v of a point on the cut (sign -1 or 1), or 0 (None).
 
-    Attributes
-    ----------
-    sign : int
-        -1 or 1; 0 for k = 0.
-    point : CutPoints or None
-        The point of the cut.
-    end : int or None
-        Index of the end of panels at which it lies, if it does.
+    `end` is the index of the end of panels at which it lies, if it does.
     """
 
     sign: int
@@ -70,13 +63,7 @@ class Centre:
 
 @dataclass(frozen=True)
 class Transform:
-    """The transform T in the closed upper half-plane, b = mu = 1.
-
-    Attributes
-    ----------
-    fields : ZoneFields
-        Fields of one set of zones on the cut, the unbounded panel included.
-    """
+    """The transform T in the closed upper half-plane, b = mu = 1, with its unbounded panel."""
 
     fields: ZoneFields
 
@@ -98,11 +85,7 @@ class Transform:
 
     @cached_property
     def _right(self) -> Array:
-        """T times its factors (2 n,) right of the cut, from its imaginary part on the cut.
-
-        T(k) = T(0) + k int dtau/dv / (v + k) dv; each border takes one more point at which T is
-        known.
-        """
+        """T times its factors (2 n,) right of the cut, from its imaginary part on the cut."""
         panels, beyond = self.fields.panels, self._beyond[0]
         knots = self._knots
         sent = panels.jacobian * self._cut.imag
@@ -190,11 +173,7 @@ class Transform:
         return np.concatenate([left.ravel(), right])
 
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
-        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
-
-        Rows of a ratio of distances up to exp(pi / SECTORS) are summed alone, over nodes of their
-        own.
-        """
+        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`."""
         distances, place = self._offsets(centre), centre.place
         # T grows like k^1/2 at most, so the integrand falls like k^-3/2.
         power = 2 + len(self._borders)

@@ -47,14 +47,7 @@ v_y with the factors alpha and beta."""
 
 @dataclass(frozen=True)
 class Slowness:
-    """Points k of the upper half-plane, with their exact distances from all fronts.
-
-    Attributes
-    ----------
-    k : (...) array
-    from_left, from_right : (3, ...) arrays
-        k + a, k + b, k + c, and k - a, k - b, k - c.
-    """
+    """Points k of the upper half-plane, with k + a, k + b, k + c, and k - a, k - b, k - c."""
 
     factors: RayleighFactors
     k: Complex
@@ -129,15 +122,7 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
 def radiated(
     at: Slowness, motion: tuple[Complex, Complex], tractions: tuple[Complex, Complex]
 ) -> Complex:
-    """Return all in-plane densities (20, ...) from the motion of the surface and its tractions.
-
-    Parameters
-    ----------
-    motion : pair of (...) arrays
-        Transforms of the rates V_x and V_y of the surface.
-    tractions : pair of (...) arrays
-        Transforms of the changes of sigma_xy and sigma_yy on it.
-    """
+    """Return densities (20, ...) from transforms of rates and traction changes of the surface."""
     k, alpha, beta, bulk, a = at.k, at.alpha, at.beta, at.bulk, at.factors.a
     (v_x, v_y), z = motion, np.square(k)
     # Two equations, V_x and V_y of the surface, solved for the amplitudes of the two waves.
@@ -154,11 +139,7 @@ def radiated(
 
 
 def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: float) -> Complex:
-    """Return the change of all integrals from k > -p to k < -p for a load of slowness p, |p| < a.
-
-    It is i pi times the plane wave of the load, by the residue of T at k = -p; `plane_wave` for p =
-    0.
-    """
+    """Return i pi times the plane wave of a load of slowness p, |p| < a, from the pole at -p."""
     k = np.array([-slowness + 0j])
     fronts = np.array([[factors.a], [1.0], [factors.in_plane.c]])
     at = Slowness(factors, k, k + fronts, k - fronts)

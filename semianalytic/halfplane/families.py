@@ -87,11 +87,7 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def hiding(self) -> np.ndarray:
-        """Effect of the hidden root on the panels of each ratio, (k,), alike where panels are
-        shared.
-
-        It is 2 where panels are cut beside it, 1 where it is complex but ahead of them, else 0.
-        """
+        """Where the hidden root is, (k,): 2 panels are cut beside it, 1 complex ahead, else 0."""
         hidden = self.hidden_root
         return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
 

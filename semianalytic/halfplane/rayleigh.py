@@ -309,12 +309,6 @@ class RayleighFactors:
 
 @lru_cache(maxsize=64)
 def rayleigh_factors(poisson_ratio: float, mode: Mode = "II") -> RayleighFactors:
-    """Return the factors for one Poisson ratio; the tables of the 64 most recent ones are cached.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
+    """Return the factors for one Poisson ratio; those of the 64 most recent ones are cached."""
     Material(1.0, 1.0, poisson_ratio)
     return RayleighFactors(poisson_ratio, mode)

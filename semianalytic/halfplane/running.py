@@ -51,13 +51,7 @@ def _growing(start: float, length: float, stop: float) -> list[float]:
 class RunningIntegral:
     """The integrals of some functions over slowness from the first panel on.
 
-    Attributes
-    ----------
-    factors : RayleighFactors
-        Whose fronts the points of the cut know.
-    slope : function of points on the cut and their distances from the last end
-    ends : (p + 1,) array
-        Ends of the panels.
+    `slope` takes points on the cut and their distances from the last of the `ends` (p + 1,).
     """
 
     factors: RayleighFactors

@@ -172,15 +172,7 @@ class AntiplaneTraction(StuckTraction):
 
 @lru_cache(maxsize=64)
 def stuck_traction(poisson_ratio: float, mode: Mode, slowness: float = 0.0) -> StuckTraction:
-    """Return p* (mode I) or q* (modes II and III) for a Poisson ratio; its tables are cached.
-
-    `slowness` is that of the front of the load over the slot [b], 0 for one that comes at once.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
+    """Return p* or q* for a Poisson ratio, and a front of slowness p [b], with cached tables."""
     if mode == "III":
         return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode, slowness)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode, slowness)
@@ -212,14 +204,7 @@ def stress_intensity(
 
 
 def front_share(material: Material, slowness: float, mode: Mode) -> float:
-    """Return K of a load whose front moves over K of one that comes at once, M_+(0) / M_+(-p).
-
-    Parameters
-    ----------
-    slowness : float
-        p, that of the front along x [time / length], below that of the first wave.
-    mode : "I", "II" or "III"
-    """
+    """Return K under a front of slowness p [time / length] over K at once, M_+(0) / M_+(-p)."""
     if not slowness:
         return 1.0
     factors = rayleigh_factors(material.poisson_ratio, "III" if mode == "III" else "II")

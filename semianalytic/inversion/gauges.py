@@ -145,13 +145,7 @@ def _numbers(name: str, given: ArrayLike) -> Array:
 
 
 def checked_noise(given: ArrayLike, values: Array) -> float | Array:
-    """Return the standard deviation of samples, one number or (n,), after checking it.
-
-    Raises
-    ------
-    SceneError
-        If it is neither, or one is not positive, or not above the rounding of the values.
-    """
+    """Return the standard deviation of samples, one or (n,), above the rounding of values."""
     noise = _numbers("noise", given)
     if noise.shape not in ((), values.shape) or not np.all((noise > 0) & np.isfinite(noise)):
         raise SceneError(

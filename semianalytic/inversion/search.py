@@ -31,13 +31,7 @@ SETTLED = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """A minimum at which least squares ended.
-
-    Attributes
-    ----------
-    scaled : (p,) array, values over sizes
-    jacobian : (n, p) array
-    """
+    """A minimum at which least squares ended, at values over sizes, with its Jacobian (n, p)."""
 
     scaled: Array
     chi2: float

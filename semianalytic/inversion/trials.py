@@ -179,11 +179,7 @@ class Trials:
 
     @cached_property
     def _pressure_is_strength(self) -> bool:
-        """Whether the base pressure changes what the gauges saw through f p alone.
-
-        It does if no load changes pressure, and gauges record neither pressure nor stress in
-        bodies.
-        """
+        """Whether the base pressure changes what gauges saw through f p alone."""
         scene, seen = self.unknowns.scene, {gauge.quantity for gauge in self.samples.gauges}
         steady = isinstance(scene.load, Tractions) and scene.load.pressure == 0
         pressed = scene.superposition.in_place.pressure > 0

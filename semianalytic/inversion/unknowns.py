@@ -59,13 +59,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Unknowns:
-    """The unknowns of a fit, with a scene and a set-up that hold all other parameters.
-
-    Attributes
-    ----------
-    duration : float
-        Of the records [time].
-    """
+    """The unknowns of a fit, a scene and set-up that hold the others, and records' duration."""
 
     names: tuple[str, ...]
     scene: Scene

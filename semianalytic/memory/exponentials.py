@@ -85,21 +85,12 @@ class KernelTransforms(Protocol):
 
 @lru_cache(maxsize=32)
 def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory:
-    """Fit poles and residues to the memory of an impedance; results are cached.
-
-    Parameters
-    ----------
-    impedance : Impedance
-        G of in-plane or antiplane shear.
-    horizon : float
-        Largest q c_t t that will be asked for.
-    tolerance : float
-        Relative error of the transform at which to stop.
+    """Fit poles and residues to the memory of an impedance up to q c_t t = `horizon`, cached.
 
     Raises
     ------
     ComputationError
-        If the tolerance is not met.
+        If the relative error of the transform stays above the tolerance.
     """
     static = impedance.static
 
@@ -113,11 +104,7 @@ def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory
 
 @lru_cache(maxsize=32)
 def fit_shared(kernels: KernelTransforms, horizon: float, tolerance: float) -> SharedMemory:
-    """Fit poles that several kernels have in common, and their residues; results are cached.
-
-    It is `fit_memory` by set-valued AAA (one set of support points), relative to each kernel's
-    size.
-    """
+    """Fit poles that kernels have in common, by set-valued AAA, and their residues; cached."""
     direct, static = kernels.direct[:, None], kernels.static[:, None]
 
     def remainder(s: Complex) -> Complex:

@@ -119,13 +119,7 @@ def new_file(
 
 
 def write_bytes(path: str | Path, data: Any, seal: Seal | None = None) -> None:
-    """Write bytes, or any buffer, as a file that appears complete or not at all.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
+    """Write bytes as a file that appears complete or not at all; DataFileError if it cannot."""
     end = b"" if seal is None else seal.of(hashlib.sha256(data).hexdigest())
     with new_file(path, len(data) + len(end)) as part, part.open("r+b") as stream:
         stream.write(data)
@@ -215,13 +209,7 @@ def row_checksum(cells: list[str]) -> str:
 
 
 def make_folder(folder: Path) -> list[Path]:
-    """Make a folder and those above it; return those that were missing, innermost first.
-
-    Raises
-    ------
-    OSError
-        If that is impossible; none of them is left then.
-    """
+    """Make a folder and those above; return missing ones, innermost first, or none if it fails."""
     missing = []
     for place in (folder, *folder.parents):
         if place.exists():

@@ -36,16 +36,8 @@ Array = NDArray[np.float64]
 class Totals:
     """Totals of the whole contact at every step, stored or not, as (m,) arrays.
 
-    Attributes
-    ----------
-    t : (m,) array
-        Times, increasing from 0, or before it as the record does [time].
-    max_slip : (m,) array
-        Largest |slip| at each time [length].
-    accumulated_slip : (m,) array
-        Integral over the contact of the accumulated |slip| [length^2].
-    frictional_work : (m,) array
-        Energy turned to heat per unit depth until each time [stress length^2].
+    Times t increase from 0 or before; max_slip [length], accumulated_slip [length^2], and
+    frictional_work [stress length^2] are until each time.
     """
 
     t: Array
@@ -149,17 +141,7 @@ class SampledAnswer(Questions, Gridded):
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
-    """Interpolate a field linearly between the samples of a history; beyond them take the nearest.
-
-    Parameters
-    ----------
-    history : InterfaceHistory
-        The samples.
-    name : str
-        Name of the field, such as "slip_rate".
-    x, t : arrays of one shape
-        Positions [length] and times [time].
-    """
+    """Interpolate a field at x, t linearly between samples; beyond them take the nearest."""
     (left, right, along), (earlier, later, on) = between(history.x, x), between(history.t, t)
     field = getattr(history, name)
     before = (1 - along) * field[earlier, left] + along * field[earlier, right]

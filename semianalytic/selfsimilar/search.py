@@ -40,19 +40,7 @@ from semianalytic.selfsimilar.zones.placement import (
 
 @dataclass(frozen=True)
 class Trial:
-    """Zones that were tried, with their fields.
-
-    Attributes
-    ----------
-    placement : Placement
-        Positions of their edges.
-    profile : Profile
-        Their fields on a rule.
-    lawful : bool
-        Whether they satisfy Coulomb's law on that rule.
-    steps, sets : int
-        Numbers of Newton steps and of sets of zones that were needed.
-    """
+    """Zones that were tried, fields on a rule, whether lawful there, Newton steps and zone sets."""
 
     placement: Placement
     profile: Profile
@@ -144,12 +132,7 @@ def _unlawful(placement: Placement, load: Load, rule: Rule) -> Trial:
 # Numbers that overflow end in a status, not in a warning.
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def refined_zones(trial: Trial, rtol: float) -> tuple[Trial, float]:
-    """Improve the edges on finer and finer rules until a coarser companion agrees to rtol.
-
-    Returns
-    -------
-    The trial, with the number of steps that were taken, and its error estimate.
-    """
+    """Improve edges on finer rules until a companion agrees to rtol; return trial and estimate."""
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
     start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
@@ -217,12 +200,7 @@ def affordable(fields: ZoneFields, tolerance: float) -> float:
 def checked_zones(
     trial: Trial, refined: Trial, estimate: float, rtol: float
 ) -> tuple[Trial, float]:
-    """Check refined zones to rtol, and solve for corrected zones where they break Coulomb's law.
-
-    Returns
-    -------
-    The trial, with the numbers of all its steps and sets of zones, and its error estimate.
-    """
+    """Check refined zones to rtol, correct and solve if need be; return trial and estimate."""
     refined, fields = replace(refined, steps=trial.steps + refined.steps), refined.profile.fields
     # The search has checked the law on this very rule.
     if fields.rule is trial.profile.fields.rule:

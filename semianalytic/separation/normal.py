@@ -21,17 +21,7 @@ RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 
 @dataclass(frozen=True)
 class NormalFields:
-    """Pressure and gap of a contact that opens, b = mu = 1 and in the stress unit of its load.
-
-    Attributes
-    ----------
-    opening : OpenPart
-        Edges of the opening.
-    profile : Profile
-        Fields, with minus pressure as traction and the opening of one side as slip.
-    error : float
-        Estimate of the error of edges, pressure and rate of the gap.
-    """
+    """Pressure and gap where the contact opens: minus pressure as traction, gap as slip."""
 
     opening: OpenPart
     profile: Profile

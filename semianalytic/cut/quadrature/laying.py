@@ -46,11 +46,7 @@ def _beside_narrow(widths: Array, rule: Rule) -> float:
 def _fitted_rule(
     factors: RayleighFactors, layout: Layout, ends: Array, widths: Array, rule: Rule
 ) -> Rule:
-    """Return a rule as fine and as long as the singularities near the panels require.
-
-    They are the hidden root, 1/(v - c) beside a narrow gap around c, and a pole at c off the
-    middle.
-    """
+    """Return a rule as fine and long as a hidden root, a narrow gap at c or a pole there needs."""
     strip, further, hidden = 1.0, _beside_narrow(widths, rule), factors.hidden_root
     if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]

@@ -230,12 +230,8 @@ class Panels:
         return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
-        """Return the Cauchy integrals at the nodes of the source panels (s,) themselves.
-
-        They are from the nodes of other parity, with w - v = sqrt(jacobian(w) jacobian(v)) 2
-        sinh(dy / 2).
-        """
-        # One matrix of 1 / (2 sinh(dy / 2)) therefore serves all panels.
+        """Return the Cauchy integrals at nodes of the sources (s,), by nodes of other parity."""
+        # w - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2): one matrix serves all panels.
         root = np.sqrt(self.jacobian[sources])
         return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
 

@@ -19,17 +19,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 @dataclass(frozen=True)
 class LoadedBodies:
-    """Two half-planes, friction and tractions.
-
-    Attributes
-    ----------
-    friction : float
-        f.
-    resistance : float
-        eta, traction of a viscous film per relative slip rate [mu b].
-    base_pressure, base_shear, load_pressure, load_shear : float
-        P_b, Q_b, P_0, Q_0 [stress unit].
-    """
+    """Two half-planes, f, eta of a film per relative slip rate [mu b], and P_b, Q_b, P_0, Q_0."""
 
     compliance: Compliance
     friction: float

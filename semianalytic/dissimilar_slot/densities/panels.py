@@ -70,16 +70,9 @@ def contact_end(interface: LoadedBodies, zone: MovingZone) -> End:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Nodes on one stretch of a zone.
+    """Nodes (first + i) spacing, i = 0 ... count - 1, on one stretch of a zone of index `zone`.
 
-    Attributes
-    ----------
-    zone : int
-        Index of the zone.
-    first, count : int
-        The nodes are (first + i) spacing, i = 0 ... count - 1.
-    fall : float
-        Power of v in omega between ends that are far apart.
+    `fall` is the power of v in omega between ends that are far apart.
     """
 
     zone: int

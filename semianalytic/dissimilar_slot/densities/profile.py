@@ -37,16 +37,9 @@ _STEPS = 3
 
 @dataclass(frozen=True, eq=False)
 class ProfilePart:
-    """The profile on one stretch.
+    """Series of the six functions on one stretch, of a zone or -1 where the interface sticks.
 
-    Attributes
-    ----------
-    series : Series
-        Series of the six functions.
-    zone : int
-        Index of the zone; -1 where the interface sticks.
-    poles : tuple of (Pole, (2,) array)
-        Poles that add to the first four functions, with their amplitudes.
+    `poles` and their amplitudes (2,) add to the first four functions.
     """
 
     series: Series
@@ -160,11 +153,7 @@ class PairProfile:
         return ProfilePart(Series(intervals, padded(series)), panel.zone, poles)
 
     def _normal(self, on: OnPanel, intervals: Intervals, start: float) -> Array:
-        """Return the coefficients of sigma on a panel that slips.
-
-        Towards the contact edge its slope grows like v^lambda, and is interpolated over a like
-        power.
-        """
+        """Return the coefficients of sigma on a panel that slips, over a power near the edge."""
         panel, density = on.panel, self.density
         slope = density.normal_slope(on)
         if panel.stretch.right is not None:

@@ -47,20 +47,9 @@ def _widths(fields: ZoneFields) -> Array:
 
 @dataclass(frozen=True)
 class Variation:
-    """Derivatives of placed zones and their fields.
+    """Derivatives of placed zones: of load and material, unknowns (e,), and fields at fixed nodes.
 
-    Attributes
-    ----------
-    rates : Rates
-        Derivatives of load and material.
-    unknowns : (e,) array
-        Derivatives of the unknowns of `edges`.
-    nodes : NodeFields
-        Derivatives at fixed nodes.
-    stencil : Stencil or None
-        Stencil by which they were differenced; None if the zones stay.
-    normal : NodeFields or None
-        Derivatives of the normal problem; None if it stays.
+    `stencil` is None if the zones stay, `normal` if the normal problem does.
     """
 
     rates: Rates
@@ -110,15 +99,7 @@ class _Change:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and neighbouring zones on the same nodes.
-
-    Attributes
-    ----------
-    profile : Profile
-        Profile of the zones.
-    finer : Surroundings or None
-        Surroundings of which these are the `companion`.
-    """
+    """Placed zones, and neighbours on the same nodes; `finer` has these as its `companion`."""
 
     profile: Profile
     finer: Surroundings | None = None
@@ -300,17 +281,10 @@ class Surroundings:
         )
 
     def variation(self, rates: Rates) -> Variation:
-        """Return the derivatives with respect to a parameter.
+        """Return the derivatives with respect to a parameter that changes load and material by
+        `rates`.
 
-        Parameters
-        ----------
-        rates : Rates
-            Derivatives of load and material with respect to it.
-
-        Raises
-        ------
-        ComputationError
-            If zones on either side of these, however near, have other panels.
+        ComputationError says that zones on either side, however near, have other panels.
         """
         load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         differenced = load is None

@@ -31,13 +31,7 @@ from semianalytic.selfsimilar.zones.placement import Placement, locate_edges, po
 
 @dataclass(frozen=True)
 class Rated:
-    """Zones under strength that depends on slip rate, as Newton's method left them.
-
-    Attributes
-    ----------
-    moves : tuple of float
-        Largest change of V in each step, over the largest V.
-    """
+    """Zones as Newton's method left them, and largest changes of V over the largest V."""
 
     placement: Placement
     profile: Profile

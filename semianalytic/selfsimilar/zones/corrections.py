@@ -72,11 +72,7 @@ def _across_shear_front(
 
 
 def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> list[Zone] | None:
-    """Return the zones with the one around the opening changed; None if no change applies.
-
-    If it ended near the closing edge it ends there now, else it may turn if it began near the
-    other.
-    """
+    """Return zones with the one around the opening ended or turned there, or None."""
     result = list(zones)
     for index, zone in enumerate(zones):
         if not _holds(zone, opening):
@@ -138,18 +134,7 @@ def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
 
 
 def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) -> list[Zone]:
-    """Return zones without intervals that slip the wrong way, and with intervals that must slip.
-
-    Parameters
-    ----------
-    violations : list of Violation
-        Violations of Coulomb's law in these zones.
-
-    Returns
-    -------
-    list of Zone
-        New zones are added only if the present ones are sound.
-    """
+    """Return zones without wrong slip, and with missing slip: new ones if the present are sound."""
     if load.opened is not None:
         return _corrected_beside(load.opened.zone, zones, violations, load)
     wrong_slip = [one for one in violations if one.zone >= 0]

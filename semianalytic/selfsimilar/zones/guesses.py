@@ -21,15 +21,7 @@ from semianalytic.selfsimilar.zones.weak_friction import weak_friction_zones
 
 @dataclass(frozen=True)
 class Guess:
-    """Zones to begin with, from the longitudinal front inward.
-
-    Attributes
-    ----------
-    pivots : int
-        Pivots of the complementarity problem that were needed.
-    doubtful : bool
-        Whether guesses on a coarser grid have failed before.
-    """
+    """Zones to begin with, pivots they took, and whether a coarser grid has failed."""
 
     zones: Sequence[Zone]
     pivots: int = 0

@@ -67,11 +67,7 @@ class OpenZone:
 
 
 def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
-    """Return the zones of slip in contact, in velocity [length / time], from the contact edge
-    outward.
-
-    Without friction they are divided by the sense of slip.
-    """
+    """Return zones of slip in contact [length / time], by sense if without friction."""
     fields = profile.fields
     opening = fields.load.opened.zone if fields.load.opened else None
     if fields.load.frictionless:
@@ -194,15 +190,7 @@ def is_open(openings: Iterable[OpenZone], x: ArrayLike, t: ArrayLike) -> NDArray
 def over_slowness(
     shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
 ) -> Array:
-    """Evaluate a field over slowness, (m,) or several (k, m), at positions and times.
-
-    It is 0 before t = 0.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or x or t is not finite.
-    """
+    """Evaluate a field over slowness, (m,) or (k, m), at x > 0 and t; it is 0 before t = 0."""
     x, t = contact_points(x, t)
     # Fields are functions of u = t / x, here in units b = 1 / c_t = 1.
     u = (t * shear_speed / x).ravel()

@@ -18,16 +18,7 @@ from semianalytic.selfsimilar.zones.edges import Edges, broyden, edge_shift, edg
 
 @dataclass(frozen=True)
 class Placement:
-    """Positions at which Newton's method has put the edges of zones.
-
-    Attributes
-    ----------
-    unknowns : (e,) array
-    inverse : (e, e) array
-        Inverse Jacobian of the mismatch.
-    steps : int
-        Number of steps that were taken.
-    """
+    """Positions (e,) of edges by Newton's method, the inverse Jacobian (e, e), steps taken."""
 
     edges: Edges
     unknowns: Array
@@ -172,19 +163,7 @@ def _damped(
 def polish_edges(
     placement: Placement, fields: ZoneFields, rule: Rule, target: float
 ) -> tuple[Placement, ZoneFields, float]:
-    """Improve edges by Broyden steps on a rule.
-
-    Parameters
-    ----------
-    fields : ZoneFields
-        Fields of the placement, on any rule.
-    target : float
-        The steps end once the next one would shift the edges by less than this [c_t].
-
-    Returns
-    -------
-    Placement with the steps of this call, its fields on the rule, and the shift that is left
-    """
+    """Improve edges by Broyden steps on a rule until the next shift is below `target` [c_t]."""
     edges, unknowns, inverse = placement.edges, placement.unknowns, placement.inverse
     factors, load, new_rule = edges.factors, fields.load, fields.rule is not rule
     if not len(unknowns):
