@@ -51,11 +51,6 @@ def local_impedance(material: Material, mode: Mode) -> float:
     return material.density * speed
 
 
-def factors_of(poisson_ratio: float, mode: Mode) -> RayleighFactors:
-    """Return the factors whose kappa is that of the mode."""
-    return rayleigh_factors(poisson_ratio, "III" if mode == "III" else "II")
-
-
 def _panels(count: int) -> tuple[Array, Array]:
     node, weight = gauss(_ORDER)
     return ((np.arange(count)[:, None] + node) / count).ravel(), np.tile(weight / count, count)
@@ -136,7 +131,7 @@ def interface_traction(
     are driven apart, at positions other than 0 and times that broadcast, to `rtol` of the largest.
     A "free" slot carries nothing; one that is "held" the article's tractions (4.31), (4.37).
     """
-    factors = factors_of(material.poisson_ratio, mode)
+    factors = rayleigh_factors(material.poisson_ratio, "III" if mode == "III" else "II")
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     speed = material.shear_speed
     # b = 1: lengths over c_t are times, so that gradients grow by c_t
@@ -147,8 +142,7 @@ def interface_traction(
     )
     local = local_impedance(material, mode) / material.shear_impedance
     points = list(zip((x / speed).ravel(), t.ravel(), strict=True))
-    # Shear resists the motion of the upper face; pressure is positive if it is driven into its
-    # body.
+    # shear resists the motion of the upper face; pressure is positive if that goes into the body
     sign = (1 if mode == "I" else -1) * material.shear_impedance
 
     def evaluate(panels: int) -> Array:

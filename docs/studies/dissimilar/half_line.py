@@ -59,19 +59,10 @@ def _pieces(stretch: Stretch, sharp: list[float]) -> Array:
 
 
 def half_line_speed(compliance: Compliance, friction: float, ratio: float) -> float:
-    """Return the speed of the edge of slip over c_t of the upper body.
+    """Return the speed of the edge of slip over c_t of the upper body; refuse if there is none.
 
-    Parameters
-    ----------
-    friction : float
-        s f, the friction coefficient with the sense of slip.
-    ratio : float
-        chi >= 0, the stress below friction on x > 0 over the excess above friction on x < 0.
-
-    Raises
-    ------
-    SceneError
-        If a wave that runs ahead grows, or no edge is slower than all waves.
+    Friction is s f, with the sense of slip, and the ratio chi >= 0 the stress below friction on
+    x > 0 over the excess above friction on x < 0.
     """
     phase = slip_phase(compliance, friction)
     if not phase.is_regular(friction):
