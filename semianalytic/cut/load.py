@@ -227,7 +227,10 @@ def check_pressure(scene: Scene) -> None:
 
 
 def contact_opens(scene: Scene) -> bool:
-    """Return whether the contact opens: at its edge for P_0 < 0, else at the Rayleigh front."""
+    """Return whether the contact opens: at its edge for P_0 < 0, else at the Rayleigh front.
+
+    There P_b + P_0 p*(c) < 0 (docs/separation.md, "The normal problem").
+    """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed
     # p* has its minimum at the Rayleigh front, which is therefore the first place to open.

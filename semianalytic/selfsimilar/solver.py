@@ -164,7 +164,11 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
 
 
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
-    """Solve a scene of rate-dependent strength, by Newton's method from its constant friction."""
+    """Solve a scene of rate-dependent strength, by Newton's method from its constant friction.
+
+    If several solutions exist, this is the one to which the method leads from there (docs/rate.md,
+    "Newton's method for any smooth law").
+    """
     clock, coulomb = [perf_counter()], replace(scene, friction=scene.coefficient)
     dry = solve(coulomb, rtol=max(rtol, 1e-8))
     # Without slip the law is that of Coulomb, since strength at rest is f p.
