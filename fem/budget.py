@@ -22,8 +22,8 @@ from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 
-LIBRARIES = 30_000_000
-"""Memory that does not depend on the mesh, most of it of gmsh [bytes]."""
+LIBRARIES = 10_000_000
+"""Memory that does not depend on the mesh [bytes]."""
 
 ASSEMBLY = {"P1": 740, "Q1": 1000, "Q2": 1480}
 """Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""

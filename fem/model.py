@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from os import PathLike
@@ -30,7 +30,7 @@ from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_load
 from fem.plan import TWO_BLOCKS, Plan, make_plan
 from fem.settings import Settings
 from fem.stepping import MarchedBody, critical_step, highest_frequency, normalised
-from meshes import cached_mesh
+from meshes import mesh_of
 from semianalytic.scene.scene import Scene
 
 BLOCKS = ("upper", "lower")
@@ -194,11 +194,11 @@ def prepare(
     return build(make_plan(scene, end_time, settings, options, full=full))
 
 
-def build(plan: Plan, tell: Callable[[str], object] | None = None) -> Model:
-    """Build mesh and model of a plan; `tell` gets a sentence if the mesh is built without gmsh."""
+def build(plan: Plan) -> Model:
+    """Build mesh and model of a plan."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
-        mesh = cached_mesh(plan.blocks, tell).translated((plan.edge, 0.0))
+        mesh = mesh_of(plan.blocks).translated((plan.edge, 0.0))
         space = make_space(mesh, plan.family)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)

@@ -165,8 +165,7 @@ def run_plan(
     SceneError, MissingLibraryError, DataFileError, ComputationError, KeyboardInterrupt
         For the reasons given at `simulate`.
     """
-    remarks: list[str] = []
-    model = build(plan, remarks.append)
+    model = build(plan)
     seconds = dict(model.seconds)
     _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
@@ -191,7 +190,7 @@ def run_plan(
                     progress(step, model.steps)
     unwritten = pictures.missing if pictures else ""
     _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
-    return _result(model, record, seconds, run, unwritten, " ".join(remarks))
+    return _result(model, record, seconds, run, unwritten)
 
 
 def _result(
@@ -200,7 +199,6 @@ def _result(
     seconds: dict[str, float],
     run: str,
     unwritten: str,
-    remark: str,
 ) -> Simulation:
     plan, settings = model.plan, model.plan.settings
     return Simulation(
@@ -222,7 +220,6 @@ def _result(
         peak_memory=peak_memory(),
         run=run,
         unwritten=unwritten,
-        remark=remark,
         **record.results(),
     )
 

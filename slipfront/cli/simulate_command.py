@@ -198,8 +198,6 @@ def simulate_into(
     forget_other_runs(directory, simulation.run)
     forget_checkpoint(path, simulation.run)
     if not quiet:
-        if simulation.remark:
-            notes.print(f"{label}: {simulation.remark}", highlight=False, soft_wrap=True)
         notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
         if simulation.opened:
             sentence = opening_sentence(simulation)
