@@ -25,7 +25,7 @@ from fem.elements.assembly import (
     make_space,
     tributary_length,
 )
-from fem.interface import FacePair, MeshContact
+from fem.interface import Face, FacePair, MeshContact
 from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_loads, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, make_plan
 from fem.settings import Settings
@@ -331,16 +331,12 @@ class _Parts:
 
     def faces(self, body: MarchedBody, component: int, blocks: tuple[str, ...]) -> FacePair:
         """Make the contact faces of the named blocks for one component of motion."""
-        sides = [tributary_length(self.space, f"{block}_contact") for block in blocks]
-        unknowns = [self.numbering.unknowns(nodes, component) for nodes, _ in sides]
-        return FacePair(
-            body=body,
-            upper=unknowns[0],
-            lower=unknowns[1] if len(blocks) == 2 else None,
-            root=[body.root[face] for face in unknowns],
-            length=sides[0][1],
-            step=self.step,
-        )
+        faces = []
+        for block, sign in zip(blocks, (1.0, -1.0), strict=False):
+            nodes, length = tributary_length(self.space, f"{block}_contact")
+            unknowns = self.numbering.unknowns(nodes, component)
+            faces.append(Face(body, unknowns, body.root[unknowns], sign))
+        return FacePair(faces, length, self.step)
 
     def _slot_load(
         self, block: str, component: int

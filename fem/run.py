@@ -188,19 +188,8 @@ def run_plan(
                     raise KeyboardInterrupt
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
-    unwritten = pictures.missing if pictures else ""
     _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
-    return _result(model, record, seconds, run, unwritten)
-
-
-def _result(
-    model: Model,
-    record: MeshRecord,
-    seconds: dict[str, float],
-    run: str,
-    unwritten: str,
-) -> Simulation:
-    plan, settings = model.plan, model.plan.settings
+    settings = plan.settings
     return Simulation(
         scene=plan.scene,
         end_time=plan.end_time,
@@ -219,7 +208,7 @@ def _result(
         seconds=seconds,
         peak_memory=peak_memory(),
         run=run,
-        unwritten=unwritten,
+        unwritten=pictures.missing if pictures else "",
         **record.results(),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -275,20 +275,16 @@ def frame_run(path: Path) -> str | None:
 
 def index_run(directory: Path) -> str | None:
     """Return the identity of the run that wrote the index of a folder; None if not known."""
-    try:
-        collection = ElementTree.parse(directory / INDEX).getroot().find("Collection")
-    except (OSError, ElementTree.ParseError):
-        return None
-    return None if collection is None else collection.get("run")
+    return _collection(directory).get("run")
 
 
-def _listed(directory: Path) -> list[str]:
-    """Return the names of the frames that the index of a folder lists; none without an index."""
-    try:
-        entries = ElementTree.parse(directory / INDEX).getroot().iter("DataSet")
-        return [entry.get("file", "") for entry in entries]
-    except (OSError, ElementTree.ParseError):
-        return []
+def _collection(directory: Path) -> ElementTree.Element:
+    """Return what the index of a folder lists; an empty collection without an index."""
+    with suppress(OSError, ElementTree.ParseError):
+        found = ElementTree.parse(directory / INDEX).getroot().find("Collection")
+        if found is not None:
+            return found
+    return ElementTree.Element("Collection")
 
 
 def companion_folder(snapshots: Path, number: int) -> Path:
@@ -313,7 +309,7 @@ def forget_other_frames(directory: Path, run: str) -> None:
     DataFileError
         If they cannot be removed.
     """
-    listed = _listed(directory)
+    listed = [entry.get("file") for entry in _collection(directory).iter("DataSet")]
     try:
         for path in sorted(directory.glob("fields-*.vtu")):
             owner = frame_run(path)

@@ -18,7 +18,7 @@ and that every other force F_n at t_n does the work F_n . (d_{n-1/2} + d_{n+1/2}
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -97,14 +97,6 @@ class BodyEnergy(NamedTuple):
     strain: float
     damping: float
     external: float
-
-
-class BodyState(NamedTuple):
-    """The state from which a body continues: U and D (n,) after a drift, and sums of work (3,)."""
-
-    displacement: NDArray[np.float64]
-    increment: NDArray[np.float64]
-    sums: NDArray[np.float64]
 
 
 @dataclass
@@ -238,15 +230,15 @@ class MarchedBody:
         results = [work(rows, matrix) for rows, matrix in self._strips]
         return [sum(values) for values in zip(*results, strict=True)]
 
-    def state(self) -> BodyState:
+    def state(self) -> dict[str, NDArray[np.float64]]:
         """The state from which the march continues, after a drift; the arrays are not copies."""
         sums = np.array([self._square, self._inside, self._outside])
-        return BodyState(self.displacement, self.increment, sums)
+        return {"displacement": self.displacement, "increment": self.increment, "sums": sums}
 
-    def restore(self, state: BodyState) -> None:
+    def restore(self, state: Mapping[str, NDArray[np.float64]]) -> None:
         """Continue from the state of another body of the same model, to the last bit."""
-        self.displacement[:], self.increment[:] = state.displacement, state.increment
-        self._square, self._inside, self._outside = state.sums.tolist()
+        self.displacement[:], self.increment[:] = state["displacement"], state["increment"]
+        self._square, self._inside, self._outside = state["sums"].tolist()
         np.multiply(self.increment, self.damping, out=self._damped)
         self._damped += self.displacement
 
