@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -188,9 +188,8 @@ def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
 
 def _until(record: Record, end: float) -> Record:
     """A record over 0 < t <= T."""
-    kept = (record.t > 0) & (record.t <= end * (1 + NOTHING))
-    t = np.minimum(record.t[kept], end)
-    return Record(record.x, t, {name: values[kept] for name, values in record.values.items()})
+    kept = record.taken((record.t > 0) & (record.t <= end * (1 + NOTHING)))
+    return replace(kept, t=np.minimum(kept.t, end))
 
 
 def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:

@@ -46,6 +46,11 @@ class Record:
     noise: Mapping[str, Array] = field(default_factory=dict)
     name: str = ""
 
+    def taken(self, samples: slice | NDArray[np.bool_]) -> Record:
+        """Return position, times and values of some samples."""
+        values = {name: value[samples] for name, value in self.values.items()}
+        return Record(self.x, self.t[samples], values)
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -86,6 +91,10 @@ class Stated:
     changes: frozenset[str] = frozenset()
     mean: str = ""
     step: float | None = None
+
+    def size(self, name: str) -> float:
+        """Return the factor to SI units of a column; 1 where it names no unit."""
+        return self.units[name].size if name in self.units else 1.0
 
 
 @dataclass(frozen=True, eq=False)
