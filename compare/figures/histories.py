@@ -1,4 +1,4 @@
-"""Figures over space and time: slip sense by both methods, profiles, wear; and marches."""
+"""Figures over space and time, by both methods: slip sense, profiles, wear."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from matplotlib.patches import Patch
 from compare.comparison.case import Case
 from compare.comparison.prediction import method_of
 from compare.comparison.quantities.history_rows import sense_maps
-from compare.comparison.scales import scene_fronts, slip_rate_scale
 from compare.figures.interface import (
     POINTS,
     Array,
@@ -48,8 +47,6 @@ from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
-LEVELS = 400
-"""Approximate largest number of points of a march that are drawn along each axis."""
 
 
 def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
@@ -194,33 +191,3 @@ def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
     if isinstance(prediction, Marched):
         x = prediction.interface.x
     return x, prediction.slip_rate(x, time)
-
-
-@styled
-def march_figure(marched: Marched) -> Figure:
-    """Draw the slip rate over space and time, and the accumulated |slip| along the interface."""
-    scene, fields = marched.scene, marched.interface
-    length, scale = scene.material.shear_speed * marched.end_time, slip_rate_scale(scene)
-    rows = slice(None, None, max(1, len(fields.t) // LEVELS))
-    columns = slice(None, None, max(1, len(fields.x) // LEVELS))
-    rate = fields.slip_rate[rows, columns] / scale
-    top = max(float(np.quantile(np.abs(rate), 0.99)), 1e-6)
-    figure = describe(new_figure(7, 6.2), scene)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    image = upper.pcolormesh(
-        fields.x[columns] / length,
-        fields.t[rows] / marched.end_time,
-        rate,
-        shading="nearest",
-        cmap="RdBu",
-        vmin=-top,
-        vmax=top,
-        rasterized=True,
-    )
-    figure.colorbar(image, ax=upper, label=RATE_LABEL)
-    upper.set(ylabel=TIME_LABEL, xlim=(0, fields.x[-1] / length), ylim=(0, 1))
-    speed = scene.material.shear_speed
-    mark_waves(upper, scene_fronts(scene), speed, "rays", colour=BLACK, outlined="white")
-    lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
-    lower.set(xlabel=PLACE_LABEL, ylabel=PATH_LABEL)
-    return figure

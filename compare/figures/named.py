@@ -8,9 +8,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from semianalytic import Marched, Solution
+from compare.figures.style import describe, new_figure, styled
+from semianalytic import Solution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.plugins import FIGURES, Plugin, find_plugin, plugin_names
@@ -20,16 +20,18 @@ Draw = Callable[[Any], Figure]
 DEFAULT_FIGURE = "interface"
 
 
-def _interface(answer: Any) -> Figure:
-    """Draw slip rate and tractions of an answer."""
+@styled
+def answer_figure(answer: Any) -> Figure:
+    """Draw slip rate and tractions in one solid, or what `plot` draws of any other answer."""
     if isinstance(answer, Solution):
         return prediction_figure(answer)
-    if isinstance(answer, Marched):
-        return march_figure(answer)
-    return answer.plot()[0].figure
+    figure = describe(new_figure(7, 4.7), answer.scene)
+    mapped = getattr(answer, "interface", None) is not None
+    answer.plot(ax=figure.subplots(1 if mapped else 2, sharex=True))
+    return figure
 
 
-OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}
+OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: answer_figure}
 
 
 def find_figure(name: str) -> Draw:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
 from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
@@ -41,6 +40,7 @@ from slipfront.cli.options import (
     asked,
     in_bytes,
     measured_option,
+    option,
     option_name,
     with_options,
 )
@@ -73,92 +73,67 @@ _DIMENSIONS: Dimensions = {
 
 _PICTURE, _FILM, _GRID, _GAUGE = "Picture", "Animation", "Grid for ParaView", "Gauges"
 
-_Window = Annotated[
-    str | None,
-    typer.Option(
+
+_OPTIONS: Mapping[str, Any] = {
+    "of": option(
+        "Quantity: speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; "
+        "in antiplane shear also vz, uz, sxz or syz.",
+        _PICTURE,
+        complete=one_of(*QUANTITIES),
+    ),
+    "time": measured_option("time", "Time of the picture [time]; 1 / c_t by default."),
+    "window": option(
+        "Part of the plane to show [length]; everything the waves have reached by default.",
         metavar="X0,X1,Y0,Y1",
-        help="Part of the plane to show \\[length]; everything the waves have reached by default.",
     ),
-]
-_Gauges = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="X,Y",
-        help="Record all fields at a point from t = 0 to --time; may be repeated.",
-        rich_help_panel=_GAUGE,
+    "points": option("Points along the longer side.", _PICTURE),
+    "thickness": measured_option(
+        "length", "Thickness of the body along z, for fringes [length].", _PICTURE
     ),
-]
+    "stress_optical": measured_option(
+        "stress length",
+        "Material fringe constant, such as 7.2kN/m, stress times thickness per fringe [stress "
+        "length]; by default the larger step makes 4 fringes. Needs --thickness.",
+        _PICTURE,
+    ),
+    "animate": option("Animate N times from 0 to --time as well.", _FILM, metavar="N"),
+    "form": option(
+        "Format of the animation: gif, which is the default, or mp4.",
+        _FILM,
+        flag="--format",
+        complete=one_of(*FORMATS),
+    ),
+    "vtu": option(
+        "Write velocity, displacement and stress, at the times of --animate if given.",
+        _GRID,
+        flag="--vtu",
+    ),
+    "grid": option("Cells of the grid; 200,200 by default.", _GRID, metavar="NX,NY"),
+    "gauge": option(
+        "Record all fields at a point from t = 0 to --time; may be repeated.", _GAUGE, metavar="X,Y"
+    ),
+    "samples": option("Number of times of a record; 1000 by default.", _GAUGE),
+}
 
 
-@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCHED_OPTIONS)
+@with_options(_OPTIONS, overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCHED_OPTIONS)
 def field_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
     march_options: Mapping[str, Any],
     scene_name: SceneArgument,
-    of: Annotated[
-        str,
-        typer.Option(
-            help="Quantity: speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; "
-            "in antiplane shear also vz, uz, sxz or syz.",
-            autocompletion=one_of(*QUANTITIES),
-            rich_help_panel=_PICTURE,
-        ),
-    ] = "speed",
-    time: Annotated[
-        float | None, measured_option("time", "Time of the picture [time]; 1 / c_t by default.")
-    ] = None,
-    window: _Window = None,
-    points: Annotated[
-        int, typer.Option(help="Points along the longer side.", rich_help_panel=_PICTURE)
-    ] = 400,
-    thickness: Annotated[
-        float | None,
-        measured_option("length", "Thickness of the body along z, for fringes [length].", _PICTURE),
-    ] = None,
-    stress_optical: Annotated[
-        float | None,
-        measured_option(
-            "stress length",
-            "Material fringe constant, such as 7.2kN/m, stress times thickness per fringe [stress "
-            "length]; by default the larger step makes 4 fringes. Needs --thickness.",
-            _PICTURE,
-        ),
-    ] = None,
-    animate: Annotated[
-        int,
-        typer.Option(
-            metavar="N", help="Animate N times from 0 to --time as well.", rich_help_panel=_FILM
-        ),
-    ] = 0,
-    form: Annotated[
-        str | None,
-        typer.Option(
-            "--format",
-            help="Format of the animation: gif, which is the default, or mp4.",
-            rich_help_panel=_FILM,
-            autocompletion=one_of(*FORMATS),
-        ),
-    ] = None,
-    vtu: Annotated[
-        bool,
-        typer.Option(
-            "--vtu",
-            help="Write velocity, displacement and stress, at the times of --animate if given.",
-            rich_help_panel=_GRID,
-        ),
-    ] = False,
-    grid: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NX,NY", help="Cells of the grid; 200,200 by default.", rich_help_panel=_GRID
-        ),
-    ] = None,
-    gauge: _Gauges = None,
-    samples: Annotated[
-        int | None,
-        typer.Option(help="Number of times of a record; 1000 by default.", rich_help_panel=_GAUGE),
-    ] = None,
+    of: str = "speed",
+    time: float | None = None,
+    window: str | None = None,
+    points: int = 400,
+    thickness: float | None = None,
+    stress_optical: float | None = None,
+    animate: int = 0,
+    form: str | None = None,
+    vtu: bool = False,
+    grid: str | None = None,
+    gauge: list[str] | None = None,
+    samples: int | None = None,
     method: Method = "auto",
     output: Output = None,
     figures: FiguresForm = "png",
@@ -277,11 +252,11 @@ def _reach(fields: Fields, request: Request) -> tuple[float, float, float, float
     return reach(fields, request.time)
 
 
-def _marched(scene: Scene, time: float, options: Mapping[str, Any], quiet: bool) -> Marched:
-    memory = in_bytes(options.get("memory"))
+def _marched(scene: Scene, time: float, given: Mapping[str, Any], quiet: bool) -> Marched:
+    memory = in_bytes(given.get("memory"))
     with progress_bar(Console(stderr=True), quiet, "marching") as progress:
-        options = {**options, "end_time": time, "memory": memory, "progress": progress}
-        return solve(scene, method="space-time", **options)
+        given = {**given, "end_time": time, "memory": memory, "progress": progress}
+        return solve(scene, method="space-time", **given)
 
 
 def _draw(

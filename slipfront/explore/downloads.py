@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from semianalytic import Marched, Scene
+from semianalytic import Scene
 from semianalytic.methods import chosen
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
@@ -29,12 +29,10 @@ _COLUMNS = {
 
 def figure_file(answer: Shown, form: str) -> Content:
     """Return the matplotlib figure of an answer as svg, pdf or png."""
-    from compare.figures.histories import march_figure
-    from compare.figures.interface import prediction_figure
+    from compare.figures.named import answer_figure
 
     drawn = io.BytesIO()
-    figure = march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
-    figure.savefig(drawn, format=form, dpi=200)
+    answer_figure(answer).savefig(drawn, format=form, dpi=200)
     mime = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}[form]
     return f"slipfront.{form}", mime, drawn.getvalue()
 

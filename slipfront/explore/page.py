@@ -19,6 +19,7 @@ from bokeh.models import TextInput
 from semianalytic import Marched, Scene, Tractions
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SlipfrontError
+from slipfront.explore import jobs, views
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
     CHOICES,
@@ -34,16 +35,6 @@ from slipfront.explore.controls import (
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
-from slipfront.explore.jobs import (
-    LEAST_SHARE,
-    MarchViews,
-    Moment,
-    marched_field,
-    marched_views,
-    moment_in,
-    solved,
-    solved_field,
-)
 from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
 from slipfront.explore.pictures import (
     CURVES,
@@ -55,15 +46,6 @@ from slipfront.explore.pictures import (
 )
 from slipfront.explore.readings import readings, scales
 from slipfront.explore.template import bokeh_scripts, known_queries, template
-from slipfront.explore.views import (
-    DISPLACEMENT,
-    NODES,
-    SPEED,
-    FieldView,
-    Shown,
-    interface_view,
-    space_time_view,
-)
 from slipfront.explore.work import Worker
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
@@ -92,13 +74,13 @@ class Session:
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = self._ruled = start
-        self._answer: Shown | None = None
+        self._answer: views.Shown | None = None
         self._shown: Scene | None = None
         self._marching: Scene | None = None
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
         self._map_to = 0.0  # its largest friction
         self._maps: dict[tuple[object, ...], RegimeMap] = {}
-        self._moment = Moment()
+        self._moment = jobs.Moment()
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Any, ...] | None = None
         self._board = board = Board()
@@ -135,7 +117,7 @@ class Session:
             sliders=[one.name for one in sliders(self._start)],
             choices=CHOICES,
             scenes=known_queries(),
-            quantities=(SPEED, DISPLACEMENT),
+            quantities=(views.SPEED, views.DISPLACEMENT),
             given={
                 **self._opened(query),
                 "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS, "lower_body": LOWER},
@@ -151,9 +133,9 @@ class Session:
 
         The sliders of the start scene are kept if they suit the values.
         """
-        moment = Moment()
+        moment = jobs.Moment()
         try:
-            moment, query = moment_in(query)
+            moment, query = jobs.moment_in(query)
             values, message = values_from_query(query, self._start), ""
         except SlipfrontError as error:
             values = defaults(self._start)
@@ -181,8 +163,10 @@ class Session:
         elif "file" in asked:
             self._send_file(asked["file"])
         else:
-            share = min(max(float(asked.get("share", 1.0)), LEAST_SHARE), 1.0)
-            self._moment = Moment(share, DISPLACEMENT if asked.get("of") == DISPLACEMENT else SPEED)
+            share = min(max(float(asked.get("share", 1.0)), jobs.LEAST_SHARE), 1.0)
+            self._moment = jobs.Moment(
+                share, views.DISPLACEMENT if asked.get("of") == views.DISPLACEMENT else views.SPEED
+            )
             self._show(asked["values"], asked["moving"], asked["since"])
 
     def _send_file(self, form: str) -> None:
@@ -242,28 +226,28 @@ class Session:
         )
         if not moving:
             self._marching = scene
-            self._march_worker.start(marched_views, scene, self._moment)
+            self._march_worker.start(jobs.marched_views, scene, self._moment)
 
     def _show_march(self, marched: Marched, moving: bool, since: float, query: str) -> None:
         """Draw another moment of a march that is done; its field comes when the slider stops."""
-        self._draw_contact(marched, NODES)
+        self._draw_contact(marched, views.NODES)
         told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
         self._tell(since=since, query=query, moving=moving, **told)
         if not moving and isinstance(marched.scene.load, Tractions):
-            self._march_worker.start(marched_field, marched, self._moment)
+            self._march_worker.start(jobs.marched_field, marched, self._moment)
 
-    def _draw_contact(self, answer: Shown, nodes: int) -> None:
+    def _draw_contact(self, answer: views.Shown, nodes: int) -> None:
         """Draw the pictures of the contact at the present moment."""
-        share, space_time = self._moment.share, space_time_view(answer)
-        self._interface.draw(interface_view(answer, nodes, share), space_time, share)
+        share, space_time = self._moment.share, views.space_time_view(answer)
+        self._interface.draw(views.interface_view(answer, nodes, share), space_time, share)
         self._space_time.draw(space_time)
         self._space_time.mark(share)
 
     def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
         began = time.perf_counter()
-        solution = solved(scene, MOVING_RTOL if moving else RTOL)
+        solution = jobs.solved(scene, MOVING_RTOL if moving else RTOL)
         seconds = time.perf_counter() - began
-        self._draw_contact(solution, MOVING_NODES if moving else NODES)
+        self._draw_contact(solution, MOVING_NODES if moving else views.NODES)
         self._answer, self._shown = solution, scene
         self._tell(
             since=since,
@@ -283,7 +267,7 @@ class Session:
 
     def _next_field(self) -> None:
         if self._asked_field is not None:
-            self._field_worker.start(solved_field, *self._asked_field)
+            self._field_worker.start(jobs.solved_field, *self._asked_field)
             self._asked_field = None
 
     def _draw_map(self, scene: Scene) -> None:
@@ -323,7 +307,7 @@ class Session:
     def _field_news(self, kind: str, content: Any) -> None:
         if self._shown is None:  # a marched or refused scene has no field of the exact solver
             self._asked_field = None
-        elif kind == "result" and isinstance(content, FieldView):
+        elif kind == "result" and isinstance(content, views.FieldView):
             self._field.draw(content)
             self._tell(field=self._asked_field is None)
         elif kind == "refusal":
@@ -343,16 +327,16 @@ class Session:
     def _march_news(self, kind: str, content: Any) -> None:
         if kind == "progress":
             self._tell(progress=content[0] / content[1])
-        elif kind == "result" and isinstance(content, MarchViews):
+        elif kind == "result" and isinstance(content, jobs.MarchViews):
             self._answer = content.marched
-            self._draw_contact(content.marched, NODES)
+            self._draw_contact(content.marched, views.NODES)
             said = {}
             if content.field is None:
                 said["message"] = NO_FIELD
             else:
                 self._field.draw(content.field)
                 if content.moment != self._moment:
-                    self._march_worker.start(marched_field, content.marched, self._moment)
+                    self._march_worker.start(jobs.marched_field, content.marched, self._moment)
             self._tell(
                 progress=1.0,
                 status=content.marched.status,
@@ -362,7 +346,7 @@ class Session:
                 field=content.field is not None,
                 **said,
             )
-        elif kind == "result" and isinstance(content, FieldView):
+        elif kind == "result" and isinstance(content, views.FieldView):
             self._field.draw(content)
             self._tell(field=True)
         else:

@@ -32,27 +32,18 @@ from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS
-from compare.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    REGIME_COLOURS,
-    SENSE_COLOURS,
-    STICK_SHADE,
-    VERMILLION,
-    shade,
-)
+from compare.figures import style
 from slipfront.explore.board import Board
 from slipfront.explore.maps import REGIMES, RegimeMap
 from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
 
-SHADES = {kind: shade(kind) for kind in KINDS}
+SHADES = {kind: style.shade(kind) for kind in KINDS}
 WAVES = WAVE_SYMBOLS | {f"{LOWER}{name}": f"{symbol}2" for name, symbol in WAVE_SYMBOLS.items()}
 """Symbols of wave fronts; c_t2 and c_l2 are those of a different lower body."""
 CURVES = {
-    "shear traction": (BLUE, "solid"),
-    "± f p": (VERMILLION, "dotted"),
-    "pressure p": (GREEN, "dashed"),
+    "shear traction": (style.BLUE, "solid"),
+    "± f p": (style.VERMILLION, "dotted"),
+    "pressure p": (style.GREEN, "dashed"),
 }
 """Colours and dashes of tractions."""
 GREY = "#595959"
@@ -143,7 +134,7 @@ class InterfacePictures:
                 )
             )
         rate, slip = (
-            panel.add_glyph(self._lines, Line(x="x", y=name, line_color=BLUE, line_width=2))
+            panel.add_glyph(self._lines, Line(x="x", y=name, line_color=style.BLUE, line_width=2))
             for panel, name in ((self.rate, "rate"), (self.slip, "slip"))
         )
         place = "@x{0.0000}"
@@ -204,19 +195,21 @@ class SpaceTimePicture:
         self._board = board
         self.panel = _panel("zones", "x / (c_t T)", "t / T")
         self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
-        self.panel.background_fill_color = STICK_SHADE
+        self.panel.background_fill_color = style.STICK_SHADE
         self._image = _source("image", "dw")
         mapper = LinearColorMapper(list(SHADES.values()), low=-0.5, high=len(SHADES) - 0.5)
         marched = Image(image="image", x=0, y=0, dw="dw", dh=1, color_mapper=mapper)
         self.panel.add_glyph(self._image, marched)
         self._wedges = _source("xs", "ys", "colour", "kind")
-        shapes = Patches(xs="xs", ys="ys", fill_color="colour", line_color=BLACK, line_width=0.7)
+        shapes = Patches(
+            xs="xs", ys="ys", fill_color="colour", line_color=style.BLACK, line_width=0.7
+        )
         wedges = self.panel.add_glyph(self._wedges, shapes)
         _tell_values(self.panel, wedges, state="@kind", x="$x{0.0000}", t="$y{0.0000}")
         self._waves, self._time = _source("xs", "ys"), _source("y")
         fronts = MultiLine(xs="xs", ys="ys", line_color=GREY, line_dash="4 3")
         self.panel.add_glyph(self._waves, fronts)
-        moment = Segment(x0=0, y0="y", x1=1e3, y1="y", line_color=BLACK, line_width=1.5)
+        moment = Segment(x0=0, y0="y", x1=1e3, y1="y", line_color=style.BLACK, line_width=1.5)
         self.panel.add_glyph(self._time, moment)
         self._names = _source("x", "name", "side")
         names = Text(
@@ -224,7 +217,7 @@ class SpaceTimePicture:
             y=0.99,
             text="name",
             text_align="side",
-            text_color=BLACK,
+            text_color=style.BLACK,
             text_font_size="8pt",
             text_baseline="top",
         )
@@ -298,7 +291,7 @@ class EdgePicture:
         self._fronts, self._parts = _source("xs", "ys"), _source("xs", "ys", "colour")
         fronts = MultiLine(xs="xs", ys="ys", line_color="white", line_dash="4 3")
         self.panel.add_glyph(self._fronts, fronts)
-        slot = Segment(x0=-100, y0=0, x1=0, y1=0, line_color=BLACK, line_width=4)
+        slot = Segment(x0=-100, y0=0, x1=0, y1=0, line_color=style.BLACK, line_width=4)
         self.panel.add_glyph(slot)
         parts = MultiLine(xs="xs", ys="ys", line_color="colour", line_width=4)
         self.panel.add_glyph(self._parts, parts)
@@ -326,7 +319,7 @@ class EdgePicture:
             self._parts,
             xs=[[start, end] for _, start, end in view.parts],
             ys=[[0.0, 0.0] for _ in view.parts],
-            colour=[SENSE_COLOURS[kind] for kind, *_ in view.parts],
+            colour=[style.SENSE_COLOURS[kind] for kind, *_ in view.parts],
         )
         for axis in (self.panel.x_range, self.panel.y_range):
             board.limit(axis, -far, far)
@@ -342,7 +335,7 @@ class MapPicture:
         self._image = _source("image", "x", "y", "width", "height")
         names = list(REGIMES)
         mapper = LinearColorMapper(
-            [REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
+            [style.REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
         )
         regimes = Image(image="image", x="x", y="y", dw="width", dh="height", color_mapper=mapper)
         drawn = self.panel.add_glyph(self._image, regimes)
@@ -354,7 +347,7 @@ class MapPicture:
             marker="circle_cross",
             size=16,
             fill_color="white",
-            line_color=BLACK,
+            line_color=style.BLACK,
             line_width=2,
         )
         self.panel.add_glyph(self._place, here)
@@ -380,4 +373,4 @@ class MapPicture:
         self._board.limit(self.panel.y_range, least, most)
         names = list(REGIMES)
         present = [names[int(number)] for number in np.unique(drawn.image)]
-        return [{"name": REGIMES[name], "colour": REGIME_COLOURS[name]} for name in present]
+        return [{"name": REGIMES[name], "colour": style.REGIME_COLOURS[name]} for name in present]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -19,15 +19,8 @@ from semianalytic import Scene, find
 from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
+from semianalytic.scene.given import finding
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import (
-    BODIES,
-    brought_scene,
-    brought_summary,
-    described_scene,
-    find_scene,
-    kind_of,
-)
 from semianalytic.scene.given.named import DEFAULT_SCENE, INTERFACES, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
@@ -45,7 +38,7 @@ from semianalytic.scene.plugins import (
 )
 from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.units import SI
-from slipfront.cli.options import AsJson
+from slipfront.cli.options import AsJson, option, with_options
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
 from slipfront.cli.scenes.completion import METHODS as OWN_METHODS
 from slipfront.cli.scenes.completion import one_of, scene_names
@@ -69,7 +62,7 @@ def scenes(as_json: AsJson = False) -> None:
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
-        units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
+        units = {"scenes": _units(finding.find_scene(DEFAULT_SCENE))}
         print_json("scenes", {"scenes": rows, "brought": others, "units": units})
         return
     table = PrintedTable("scene", "what it shows", title="Scenes")
@@ -134,8 +127,8 @@ def _brought_row(plugin: Plugin) -> dict[str, Any]:
     row = {**_row(plugin), "summary": "", "scene": None}
     if not row["problem"]:
         try:
-            row["scene"] = scene_document(brought_scene(plugin))
-            row["summary"] = brought_summary(plugin)
+            row["scene"] = scene_document(finding.brought_scene(plugin))
+            row["summary"] = finding.brought_summary(plugin)
         except PluginError as error:
             row["problem"] = str(error)
     return row
@@ -145,45 +138,39 @@ def _units(scene: Scene) -> dict[str, Any]:
     return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
 
 
+_OPTIONS: Mapping[str, Any] = {
+    "file": typer.Argument(metavar="[FILE]", help="File to write, or - for standard output."),
+    "from_": option("Scene to write.", flag="--from", complete=scene_names, metavar="SCENE"),
+    "units": option(
+        "SI converts the scene to m, s, kg and Pa, for a polymer-like solid under 1 MPa.",
+        complete=one_of(SI),
+    ),
+    "material": option(
+        f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
+        complete=one_of(*SOLIDS),
+        metavar="SOLID",
+    ),
+    "with_all": option(
+        "Show all loads, load histories and friction laws as comments.", flag="--all"
+    ),
+    "force": option("Replace an existing file.", flag="--force"),
+}
+
+
+@with_options(_OPTIONS)
 def init(
-    file: Annotated[
-        Path, typer.Argument(metavar="[FILE]", help="File to write, or - for standard output.")
-    ] = Path("scene.toml"),
-    from_: Annotated[
-        str,
-        typer.Option(
-            "--from",
-            metavar="SCENE",
-            help="Scene to write.",
-            autocompletion=scene_names,
-        ),
-    ] = DEFAULT_SCENE,
-    units: Annotated[
-        str | None,
-        typer.Option(
-            help="SI converts the scene to m, s, kg and Pa, for a polymer-like solid under 1 MPa.",
-            autocompletion=one_of(SI),
-        ),
-    ] = None,
-    material: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SOLID",
-            help=f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
-            autocompletion=one_of(*SOLIDS),
-        ),
-    ] = None,
-    with_all: Annotated[
-        bool,
-        typer.Option("--all", help="Show all loads, load histories and friction laws as comments."),
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    file: Path = Path("scene.toml"),
+    from_: str = DEFAULT_SCENE,
+    units: str | None = None,
+    material: str | None = None,
+    with_all: bool = False,
+    force: bool = False,
     as_json: AsJson = False,
 ) -> None:
     """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
-    if kind_of(from_) != BODIES:
+    if finding.kind_of(from_) != finding.BODIES:
         if units or material:
             raise SceneError(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
@@ -191,7 +178,7 @@ def init(
             )
         _write(file, _text_of(from_), {"scene": None, "units": {}}, force=force, as_json=as_json)
         return
-    scene = described_scene(from_)
+    scene = finding.described_scene(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
         scene = in_si_units(scene, None if solid is None else solid.material)
