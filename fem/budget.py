@@ -164,14 +164,7 @@ def cost(
 
 
 def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
-    """Predict what a plan needs; see `Cost`.
-
-    Parameters
-    ----------
-    plan : Plan
-    checkpoints : bool
-        Whether checkpoints are written, which pass through memory.
-    """
+    """Predict what a plan needs; checkpoints, if they are written, pass through memory."""
     return _cost(plan, plan.steps(), plan.settings.every, checkpoints)
 
 
@@ -232,15 +225,7 @@ def machine_pace() -> float:
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
     """Refuse a run that needs more memory than it may; say which resolution or `every` would fit.
 
-    Parameters
-    ----------
-    plan : Plan
-    cost : Cost
-        Prediction for that plan.
-    limit : float or None
-        Largest memory [bytes]; 70 % of what is available if None.
-    checkpoints : bool
-        Whether checkpoints are written.
+    The limit is in bytes; 70 % of what is available if None.
 
     Raises
     ------
@@ -290,12 +275,10 @@ def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
     ----------
     path : Path
         A file that is to be written.
-    needed : int
-        Size of that file and of others beside it [bytes].
+    needed, freed : int
+        Size of it and of others beside it, and of files that are removed first [bytes].
     parts : str
         Names of these files, as the subject of the sentence.
-    freed : int
-        Size of the files that are removed first [bytes].
 
     Raises
     ------

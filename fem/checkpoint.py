@@ -28,16 +28,8 @@ FORMAT = "slipfront checkpoint 6"
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The state of a run between two steps.
-
-    Parameters
-    ----------
-    step : int
-        Last time level whose drift is done.
-    arrays : mapping from name to array
-        Arrays of bodies, interface and record.
-    frames : list of (time, name)
-        Field snapshots written so far.
+    """The state of a run between two steps: the last time level whose drift is done, the arrays of
+    bodies, interface and record by name, and the field snapshots (time, name) written so far.
     """
 
     step: int
@@ -144,13 +136,7 @@ class Keeper:
         frames: list[tuple[float, str]],
         now: bool,
     ) -> None:
-        """Write a checkpoint if one is due after this step, or requested now.
-
-        Raises
-        ------
-        DataFileError
-            If one is requested now and cannot be written.
-        """
+        """Write a checkpoint if one is due, or requested now; only then a failure is raised."""
         due = 0 < step < model.steps and self._is_due(step)
         if self.path is None or not (due or now):
             return
@@ -171,15 +157,7 @@ class Keeper:
 
 
 def forget_checkpoint(path: Path, run: str) -> None:
-    """Remove the checkpoint of a finished run; that of another run stays.
-
-    Parameters
-    ----------
-    path : Path
-        File of the checkpoint.
-    run : str
-        Name of the run, from `run_name`.
-    """
+    """Remove the checkpoint of the finished run of a name (`run_name`), of no other run."""
     import h5py
 
     if not path.is_file():

@@ -23,7 +23,7 @@ from semianalytic.scene.scene import Scene
 Array = NDArray[np.float64]
 
 
-class Face(NamedTuple):
+class ContactFace(NamedTuple):
     """One component of motion of a face: its body, unknowns there and roots of their masses.
 
     The sign is 1 for an upper face and -1 for a lower one.
@@ -39,17 +39,11 @@ class Face(NamedTuple):
 class FacePair:
     """One component of motion of the two faces that meet on the contact.
 
-    Parameters
-    ----------
-    faces : list of Face
-        The upper one, and the lower one unless it moves oppositely.
-    length : float or (n,) array
-        Tributary lengths [length].
-    step : float
-        dt [time].
+    They are the upper face, and the lower one unless it moves oppositely; with tributary lengths
+    (n,) or one [length], and a step dt [time].
     """
 
-    faces: list[Face]
+    faces: list[ContactFace]
     length: float | Array
     step: float
 
@@ -86,19 +80,10 @@ class FacePair:
         return (self.past_increment() + self.increment()) / 2
 
     def push(self, traction: Array, part: float) -> Array:
-        """Apply a traction to the upper face, and its opposite to the lower one.
+        """Apply a traction (n,) [stress] to the upper face, and its opposite to the lower one.
 
-        Parameters
-        ----------
-        traction : (n,) array
-            Force per length [stress].
-        part : float
-            Fraction of a step for which it acts.
-
-        Returns
-        -------
-        (n,) array
-            The impulse: times the mean increment it is the work, times dt^2 as body energies are.
+        It acts for a part of a step.  The impulse (n,) is returned: times the mean increment it is
+        the work, times dt^2 as energies of bodies are.
         """
         # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
         impulse = part * (self.step**2 * self.length) * traction
@@ -110,19 +95,10 @@ class FacePair:
 def contact_pressure(gap: Array, increment: Array, base: float | Array, compliance: Array) -> Array:
     """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
 
-    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap
-    is never negative and the pressure only takes energy out.
-
-    Parameters
-    ----------
-    gap : (n,) array
-        Opening at the start of the step, >= 0 [length].
-    increment : (n,) array
-        Its change over the step if only the base pressure acted [length].
-    base : float or (n,) array
-        Pressure at which `increment` holds [stress].
-    compliance : (n,) array
-        Opening over the step per pressure [length / stress].
+    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap is
+    never negative and the pressure only takes energy out.  The gap at the start of the step is >= 0
+    [length]; the increment is its change if only the base pressure [stress] acted, and the
+    compliance the opening over the step per pressure [length / stress].
     """
     # a pressure p adds compliance (p - base) to gap + increment; the pair ends the step closed at 0
     return np.maximum(base - (gap + increment) / compliance, 0.0)
@@ -141,8 +117,7 @@ OPEN = 2
 class Carried(NamedTuple):
     """The tractions that the uncut contact carries, to which what the bodies do is added [stress].
 
-    They are numbers where they are the same everywhere and always, and arrays (n,) under an
-    incident wave that rises and falls.
+    They are arrays (n,) under an incident wave that rises and falls.
     """
 
     pressure: float | Array
@@ -150,10 +125,9 @@ class Carried(NamedTuple):
 
 
 class InterfaceWork(NamedTuple):
-    """Work per unit thickness [stress length^2] at the interface.
+    """Work per unit thickness at the interface [stress length^2].
 
-    It is the work taken by friction and by closing gaps, and that done by the tractions in place on
-    slip and opening.
+    It is taken by friction and by closing gaps, and done by tractions in place on slip and opening.
     """
 
     friction: float
@@ -241,12 +215,7 @@ class MeshContact:
         self.path[:], self._rubbed[:] = sums["path"], sums["friction"]
 
     def act(self, part: float) -> None:
-        """Find the tractions of this kick and apply them.
-
-        Parameters
-        ----------
-        part : float
-            Fraction of a step for which they act.
+        """Find the tractions of this kick, which act for a part of a step, and apply them.
 
         Raises
         ------
@@ -273,15 +242,7 @@ class MeshContact:
         self._external -= float(np.sum(work * held))
 
     def _strength(self, stopping: Array, impedance: Array) -> Array:
-        """Return the strength at the slip rate of the step, which follows from it (n,) [stress].
-
-        The path is that up to this time level.
-
-        Raises
-        ------
-        SceneError
-            If friction falls with slip rate faster than a pair of nodes can radiate.
-        """
+        """Return the strength at the slip rate of the step and the path so far (n,) [stress]."""
         law = self.scene.law
         # steeper than that, a pair has several slip rates, or none, for one stopping traction
         slope = self.pressure * law.fall_with_rate

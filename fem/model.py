@@ -25,7 +25,7 @@ from fem.elements.assembly import (
     make_space,
     tributary_length,
 )
-from fem.interface import Face, FacePair, MeshContact
+from fem.interface import ContactFace, FacePair, MeshContact
 from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_loads, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, make_plan
 from fem.settings import Settings
@@ -73,14 +73,8 @@ class Numbering:
 def number_by_arrival(space: Space, size: float, *, slides: bool) -> Numbering:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
-    Parameters
-    ----------
-    space : Space
-    size : float
-        Distance of the nodes on the interface [length].
-    slides : bool
-        Whether the interface slides ahead of all waves of the edge; the distance is then that from
-        the whole line y = 0.
+    The size is the distance of the nodes on the interface [length].  Where the interface slides
+    ahead of all waves of the edge, the distance is that from the whole line y = 0.
     """
     x, y = space.points
     ahead = np.zeros_like(x) if slides else np.maximum(x, 0.0)
@@ -215,14 +209,7 @@ def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
 
 
 def build_model(plan: Plan, space: Space) -> Model:
-    """Assemble the bodies of a plan on a mesh and choose the time step.
-
-    Parameters
-    ----------
-    plan : Plan
-    space : Space
-        Upper block, or both blocks if one half is not enough; see `meshes.read_mesh`.
-    """
+    """Assemble the bodies of a plan on a mesh of the upper block or of both; choose the step."""
     numbering = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
     mass = lumped_mass(space, in_mesh)[numbering.order]
@@ -322,12 +309,10 @@ class _Parts:
             for side in ("left", "right")
             for i in components
         ]
-        return self._body(
-            components,
-            np.concatenate([unknowns for unknowns, _ in loads]),
-            np.concatenate([load for _, load in loads]),
-            mirrored=np.concatenate(mirrored, axis=1) if walls and components == IN_PLANE else None,
-        )
+        loaded, load = (np.concatenate(parts) for parts in zip(*loads, strict=True))
+        walled = walls and components == IN_PLANE
+        held = {"mirrored": np.concatenate(mirrored, axis=1)} if walled else {}
+        return self._body(components, loaded, load, **held)
 
     def faces(self, body: MarchedBody, component: int, blocks: tuple[str, ...]) -> FacePair:
         """Make the contact faces of the named blocks for one component of motion."""
@@ -335,16 +320,13 @@ class _Parts:
         for block, sign in zip(blocks, (1.0, -1.0), strict=False):
             nodes, length = tributary_length(self.space, f"{block}_contact")
             unknowns = self.numbering.unknowns(nodes, component)
-            faces.append(Face(body, unknowns, body.root[unknowns], sign))
+            faces.append(ContactFace(body, unknowns, body.root[unknowns], sign))
         return FacePair(faces, length, self.step)
 
     def _slot_load(
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the unknowns on a slot face and the forces on them at f = 1.
-
-        The traction on the upper block is (Q_0, -P_0), with Q_0 along x or z.
-        """
+        """Return the unknowns on a slot face and the forces on them at f = 1, of (Q_0, -P_0)."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
         load = self.scene.superposition.taken_off
         tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
@@ -361,17 +343,8 @@ class _Parts:
         components: tuple[int, ...],
         loaded: NDArray[np.int64],
         load: NDArray[np.float64],
-        held: NDArray[np.int64] | None = None,
-        mirrored: NDArray[np.int64] | None = None,
+        **walls: NDArray[np.int64],
     ) -> MarchedBody:
         matrix, root = self.matrices[components]
-        return MarchedBody(
-            components=components,
-            matrix=matrix,
-            root=root,
-            damping=self.damping_time / self.step,
-            loaded=loaded,
-            load=self.step**2 * load / root[loaded],
-            held=np.empty(0, dtype=np.int64) if held is None else held,
-            mirrored=np.empty((2, 0), dtype=np.int64) if mirrored is None else mirrored,
-        )
+        damping, load = self.damping_time / self.step, self.step**2 * load / root[loaded]
+        return MarchedBody(components, matrix, root, damping, loaded, load, **walls)

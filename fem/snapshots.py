@@ -205,13 +205,7 @@ class Snapshots:
 
 @contextmanager
 def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
-    """Open a frame of a run for writing; it gets its name when the context ends without error.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written.
-    """
+    """Open a frame of a run for writing; it gets its name when the context ends without error."""
     with new_file(path, seal=Seal.XML) as part:
         with _quick_compression():
             meshio.write(part, mesh, file_format="vtu")
@@ -237,13 +231,7 @@ def _quick_compression() -> Iterator[None]:
 
 
 def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:
-    """Write the index of the frames (time, name) of a run, completely or not at all.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written.
-    """
+    """Write the index of the frames (time, name) of a run, completely or not at all."""
     entries = "".join(
         f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for time, name in frames
     )
@@ -257,13 +245,7 @@ def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) 
 
 
 def frame_run(path: Path) -> str | None:
-    """Return the identity of the run that wrote a frame; None if there is no frame, or none known.
-
-    Parameters
-    ----------
-    path : Path
-        File of the frame.
-    """
+    """Return the identity of the run that wrote a frame; None if there is none or it has none."""
     try:
         with path.open("rb") as stream:
             stream.seek(max(stream.seek(0, 2) - 400, 0))
@@ -295,14 +277,8 @@ def companion_folder(snapshots: Path, number: int) -> Path:
 def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
 
-    If the index was of another run, the frames of its companions go too.
-
-    Parameters
-    ----------
-    directory : Path
-        The folder; it need not exist.
-    run : str
-        Identity of the run whose frames stay.
+    The folder need not exist.  If its index was of another run, the frames of its companions go
+    too.
 
     Raises
     ------
@@ -345,18 +321,9 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the vectors at the nodes of `both_blocks` from the unknowns of each body.
+    """Return the vectors (n or 2 n, 3) at the nodes of `both_blocks`.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    unknowns : list of arrays
-        Mass-normalised unknowns, one array per body.
-
-    Returns
-    -------
-    (n or 2 n, 3) array
+    They come from the mass-normalised unknowns of each body.
     """
     fields = []
     for body, values in zip(model.bodies, unknowns, strict=True):

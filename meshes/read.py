@@ -19,16 +19,8 @@ POSITION_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class _Raw:
-    """The contents of a mesh file.
-
-    Attributes
-    ----------
-    points : (2, n) array
-        Places of the nodes [length].
-    elements : (k, m) array
-        Nodes of each element.
-    named : mapping from the name of a block to its elements
-    sides : mapping from the name of a side to the nodes (2, j) of its element sides
+    """Contents of a mesh file: places of nodes (2, n) [length], nodes of each element (k, m),
+    elements of each named block, and nodes (2, j) of the element sides of each named side.
     """
 
     points: NDArray[np.float64]

@@ -76,17 +76,12 @@ class Score:
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
     """Score the runs of files; files that hold one station each are one run, as for `validate`.
 
-    Parameters
-    ----------
-    paths : sequence of Path
-        Files or folders.
-    sheet : Sheet, optional
-        That they are of, unless the files say so (``# benchmark: NAME``).
+    They are of a sheet that is given, or that they name (``# benchmark: NAME``).
 
     Raises
     ------
     DataFileError
-        If the file cannot be read, is of another sheet, or in other units; or as `score`.
+        If a file cannot be read, is of another sheet, or in other units; or as `score`.
     SceneError
         If nothing says which sheet it is of.
     """
@@ -132,10 +127,7 @@ def _named(path: Path) -> str | None:
 def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     """Every number of a run that its sheet asks for.
 
-    Raises
-    ------
-    DataFileError
-        If the run has no station of the sheet between 0 and T.
+    A run without a station of the sheet between 0 and T is refused by a DataFileError.
     """
     answer, end = answers.answer_to(sheet), sheet.end_time
     near = [one for one in records.stations if _near(sheet, one.x).any()]

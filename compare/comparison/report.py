@@ -18,7 +18,7 @@ from compare.comparison.documents import (
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.prediction import method_of
-from compare.output.files import write_text
+from compare.output.places import write_text
 from semianalytic import Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer

@@ -10,7 +10,7 @@ import numpy as np
 from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
-from compare.output.bodies import Fields, shown_speed
+from compare.output.field_files import Fields, shown_speed
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
@@ -25,14 +25,7 @@ MARGIN = 1.05
 
 @dataclass(frozen=True)
 class Moving:
-    """A moving part of the contact, start < x < end [length].
-
-    Attributes
-    ----------
-    kind : str
-        State of the contact: "slip", "reverse slip" or "open".
-    start, end : float
-    """
+    """A moving part of the contact, start < x < end [length]: "slip", "reverse slip" or "open"."""
 
     kind: str
     start: float

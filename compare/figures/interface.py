@@ -6,7 +6,7 @@ Every function draws a `solution`, the prediction, and returns a Figure.  Where 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -151,9 +151,16 @@ def fronts_figure(
         (solution.openings, "predicted ends of the opening", ":"),
     )
     for parts, words, line in lines:
-        for edge in _finite_edges(parts):
-            ends = [0, edge / speed], [0, 1]
-            panel.plot(*ends, line, color=edges, linewidth=1.1, path_effects=outline(around))
+        ends = (edge for part in parts for edge in (part.inner, part.outer))
+        for edge in (one for one in ends if 0 < one < np.inf):
+            panel.plot(
+                [0, edge / speed],
+                [0, 1],
+                line,
+                color=edges,
+                linewidth=1.1,
+                path_effects=outline(around),
+            )
         if parts:
             handles.append(line_handle(words, edges, line))
     for handle in handles:
@@ -228,11 +235,6 @@ def _speeds(solution: Exact) -> Array:
     return np.linspace(limit / POINTS, limit, POINTS)
 
 
-def _finite_edges(zones: Iterable[SlipZone | OpenZone]) -> Iterator[float]:
-    for zone in zones:
-        yield from (edge for edge in (zone.inner, zone.outer) if 0 < edge < np.inf)
-
-
 def _parts(solution: Exact) -> list[SlipZone | OpenZone]:
     """Return the slip zones and openings."""
     return [*solution.zones, *solution.openings]
@@ -255,10 +257,7 @@ def _shade_zones(panel: Axes, solution: Exact) -> None:
 
 
 def _draw_predicted_tractions(panel: Axes, solution: Exact, time: float) -> Array:
-    """Draw predicted shear traction and friction bound.
-
-    Return the shear traction / τ₀ at all ξ, or the bound if there is no shear traction.
-    """
+    """Draw predicted shear traction and bound; return the first over τ₀, or the bound if 0."""
     scene, scale = solution.scene, stress_scale(solution.scene)
     dense = _speeds(solution)
     shear = solution.shear_traction(dense * time, time) / scale

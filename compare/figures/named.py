@@ -35,15 +35,10 @@ OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: answer_figure}
 
 
 def find_figure(name: str) -> Draw:
-    """Return the function of a name that draws an answer.
+    """Return the function of a name that draws an answer; SceneError if there is none.
 
-    Raises
-    ------
-    SceneError
-        If there is no figure of this name.
-    PluginError
-        If the package that provides it is broken or not the only one; the returned function
-        raises it too, if the package draws no figure.
+    Where a package that provides it is broken, or draws no figure, a PluginError is raised, also by
+    the function.
     """
     if name in OWN_FIGURES:
         return OWN_FIGURES[name]

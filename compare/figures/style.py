@@ -194,7 +194,7 @@ def _unit_name(scene: Scene) -> str:
 
 
 def describe(figure: Figure, what: Scene | str, height: float | None = None) -> Figure:
-    """Add a title to a figure, `scene_words` or a description of many scenes, and return it.
+    """Add a title to a figure, `scene_words` or other words, and return it.
 
     Its lower end is at a `height`, from 0 to 1, or where the layout of the figure puts it.
     """

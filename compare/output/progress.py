@@ -25,12 +25,8 @@ def progress_bar(
 ) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar with percentage, step rate and remaining time.
 
-    Nothing is shown if `quiet` is true or the output is no terminal.
-
-    Yields
-    ------
-    callable
-        Function to call with the number of finished steps and of all steps.
+    It yields a function of the number of finished steps and of all steps.  Nothing is shown if
+    `quiet` is true or the output is no terminal.
     """
     with progress.Progress(
         progress.TextColumn(doing),

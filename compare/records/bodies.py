@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from compare.records.names import Columns, known_columns, named_unit
-from compare.records.options import ReadingOptions
-from compare.records.record import Array, Records, Stated, Unit
+from compare.records.record import Array, ReadingOptions, Records, Stated, Unit
 from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of, parsing
@@ -32,14 +31,7 @@ Frame = tuple[float, Any]
 
 
 def read_bodies(path: Path, options: ReadingOptions) -> Records:
-    """Records of frames: one PVD or XDMF file.
-
-    Raises
-    ------
-    DataFileError
-        If a file cannot be read, is of no time, or has neither motion of faces at y = 0 nor
-        quantities of the interface.
-    """
+    """Records of frames: one PVD or XDMF file, with motion of faces at y = 0 or fields there."""
     frames = sorted(_frames(path), key=lambda frame: frame[0])
     if len(frames) < 2:
         raise DataFileError(f"{path} has {len(frames)} frames; a record takes two at least.")
@@ -184,10 +176,7 @@ def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:
 
 
 def _faces(path: Path, mesh: Any, points: Array, on: Array) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of the upper and of the lower face, by position; one of them may be empty.
-
-    They belong to cells above and below.
-    """
+    """Nodes of the upper and of the lower face, by position; one of them may be empty."""
     above, below = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
     for block in mesh.cells:
         if block.dim < 2:

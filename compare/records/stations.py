@@ -19,11 +19,7 @@ def joined_faces(
     """Quantities of the interface from columns of it or of its faces.
 
     One face alone stands for the relative quantity, which is for `validate` and `fit` to double.
-
-    Returns
-    -------
-    dict, Stated, list of str
-        Quantities by name, what the columns say of them, and what was made of columns of faces.
+    With them come what the columns say of them, and what was made of columns of faces.
     """
     result = {name: columns[name] for name in QUANTITIES if name in columns}
     units = {name: unit for name, unit in known.units.items() if name in (*result, "t", "x")}
@@ -49,13 +45,7 @@ def joined_faces(
 def station(
     path: Path, x: float, t: Array, values: Mapping[str, Array]
 ) -> tuple[Record, list[str]]:
-    """A record of times that increase, and what was mended.
-
-    Raises
-    ------
-    DataFileError
-        If there are no times, or no values.
-    """
+    """A record of times that increase, and what was mended; DataFileError if it is empty."""
     notes = []
     timed = np.isfinite(t)
     if not timed.all():

@@ -132,10 +132,7 @@ def _interrupts_held_back() -> Iterator[None]:
 
 @contextmanager
 def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
-    """Keep processes started meanwhile from running the main program again.
-
-    The program is run again only if it defines a function of the tasks.
-    """
+    """Keep processes from running the main program again, unless it defines a function of tasks."""
     main = sys.modules["__main__"]
     if all(function.__module__ != main.__name__ for function, _ in tasks):
         sys.modules["__main__"] = ModuleType("__main__")
@@ -160,14 +157,9 @@ def _end_after(sentinel: int) -> None:
 
 @contextmanager
 def lifeline() -> Iterator[int]:
-    """Yield a standard input that lets a child process notice the death of its parent.
+    """Yield a standard input by which a child process notices the death of its parent: it blocks.
 
     The child calls `hang_on`.
-
-    Yields
-    ------
-    int
-        A descriptor on which reading blocks as long as this process lives.
     """
     here, there = os.pipe()
     try:

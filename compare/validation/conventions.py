@@ -104,12 +104,8 @@ class Conventions:
     def scales(self, stated: Stated) -> dict[str, float]:
         """Factors of the columns by the scales given.
 
-        Columns whose unit the file names are in units of the SI, and are left as they are.
-
-        Raises
-        ------
-        SceneError
-            If a scale is given for one of them.
+        Columns whose unit the file names are in units of the SI, and are left as they are; a scale
+        that is given for one of them is refused.
         """
         for name, unit in stated.units.items():
             if name in self.scale:

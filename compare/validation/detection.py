@@ -79,15 +79,7 @@ class Detection:
 
 
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
-    """How a run is to be read; what is stated holds, and what is inferred is said.
-
-    Raises
-    ------
-    DataFileError
-        If nothing was recorded after t = 0.
-    SceneError
-        If a scale is given for a column whose unit the file names.
-    """
+    """How a run is to be read; what is stated holds, and what is inferred is said."""
     given = given_reading(conventions, run.stated, scene)
     read, right = given.apply(run), [record for record in run.stations if record.x > 0]
     some = np.unique(np.linspace(0, len(right) - 1, LOOKED_AT).round().astype(int))
@@ -102,13 +94,7 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
 
 
 def last_time(run: Records) -> float:
-    """When the last record ends [time].
-
-    Raises
-    ------
-    DataFileError
-        If nothing was recorded after t = 0.
-    """
+    """When the last record ends [time]; DataFileError if that is not after t = 0."""
     ends = [float(record.t[-1]) for record in run.stations if len(record.t)]
     if run.arrivals is not None:
         ends += [float(time) for time in run.arrivals[1] if np.isfinite(time)]

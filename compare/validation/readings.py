@@ -86,13 +86,7 @@ def turn_words(conventions: Mapping[str, str], recorded: Collection[str]) -> Ite
 
 
 def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Conversion:
-    """The reading that conventions and the file itself ask for.
-
-    Raises
-    ------
-    SceneError
-        If a scale is given for a column whose unit the file names.
-    """
+    """The reading that conventions and the file itself ask for."""
     factors = conventions.scales(stated)
     sign = -1.0 if conventions.sign == "reversed" else 1.0
     for name in MOTION:

@@ -54,14 +54,8 @@ ONE_FACE = (
 def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[JudgedRow]:
     """All rows of a validation.
 
-    Parameters
-    ----------
-    grids : Grids
-    exact : Exact
-    threshold : float, optional
-        Slip rate at which slip counts as begun [length / time].
-    face : bool
-        Whether slip was made of the motion of one face.
+    Slip counts as begun at the threshold [length / time]; `face` says that it was made of the
+    motion of one face.
     """
     found = itertools.chain(
         arrival_rows(grids, exact, threshold),

@@ -77,13 +77,7 @@ FEW = 256
 
 
 def find_family(element: str, pattern: str) -> Family:
-    """Return the element family of a name, for meshes of a pattern.
-
-    Raises
-    ------
-    SceneError
-        If there is no such family, or it needs quadrilaterals and the pattern has triangles.
-    """
+    """Return the element family of a name, for meshes of a pattern; SceneError if there is none."""
     if element not in FAMILIES:
         known = ", ".join(FAMILIES)
         raise SceneError(f"simulate: element must be one of {known}, got {element!r}.")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.elements.assembly import X, Y, Z
-from fem.interface import Face, FacePair, contact_pressure
+from fem.interface import ContactFace, FacePair, contact_pressure
 from fem.lines.blocks import Block, check_work, make_blocks
 from fem.lines.line import Line, Tractions
 from fem.model import RATE_WINDOW
@@ -105,7 +105,9 @@ class LineModel:
         for block, body in zip(self.blocks, self.bodies, strict=True):
             count = len(block.components)
             unknowns = slice(block.components.index(component), count * block.columns, count)
-            faces.append(Face(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0))
+            faces.append(
+                ContactFace(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0)
+            )
         return FacePair(faces, self.line.spacing, self.step)
 
     def kick(self, level: int, part: float) -> None:

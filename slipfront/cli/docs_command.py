@@ -64,18 +64,7 @@ def pages() -> dict[str, Path]:
 
 
 def found_page(name: str) -> Path:
-    """Return the file of a page.
-
-    Parameters
-    ----------
-    name : str
-        As messages write it, docs/limits.md, or limits.md or limits.
-
-    Raises
-    ------
-    SceneError
-        If there is no such page.
-    """
+    """Return the file of a page that messages write as docs/limits.md, or limits.md or limits."""
     known = pages()
     stem = name.rsplit("/", 1)[-1].removesuffix(".md")
     if stem in known:

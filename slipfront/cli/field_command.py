@@ -12,7 +12,7 @@ from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
 from compare.comparison.prediction import method_of
-from compare.output.bodies import Fields
+from compare.output.field_files import Fields
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, Solution, solve

@@ -12,9 +12,8 @@ from rich.console import Console
 from compare.comparison.documents import json_text
 from compare.comparison.report import judged_document
 from compare.comparison.rows import DIFFERS
-from compare.output.files import write_text
 from compare.output.leftovers import REPORT
-from compare.output.places import check_file, save_somewhere
+from compare.output.places import check_file, save_somewhere, write_text
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic import InterfaceFile, Run, find, solve

@@ -21,7 +21,7 @@ from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, in_bytes, option_name
-from slipfront.cli.scenes.points import AskedPoints, points_table
+from slipfront.cli.scenes.points import AskedPoints, show_answer
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -44,10 +44,7 @@ def march_command(
 ) -> None:
     """March a scene, or continue a saved march, and print the result.
 
-    Raises
-    ------
-    ComputationError
-        If the march is unresolved or misses --rtol; the result is printed before.
+    A march that is unresolved or misses --rtol is a ComputationError; it is printed before.
     """
     options = dict(options)
     if end_time is None and points is not None and "go_on" not in options:
@@ -90,7 +87,9 @@ def march_command(
             f"Every {marched.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    _show(marched, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
+    done = {"Saved": save, "Drawn": plot}
+    table, document = terminal.march_table(marched, label), march_document(marched)
+    show_answer(marched, document, [table], points, done, draw, as_json=as_json)
     check_resolved(marched, label)
 
 
@@ -130,32 +129,3 @@ def _gone_on(
             "out."
         )
     return march(scene, end_time, go_on=saved, memory=memory, progress=progress)
-
-
-def _show(
-    marched: Marched,
-    label: str,
-    points: AskedPoints | None,
-    *,
-    as_json: bool,
-    save: Path | None,
-    draw: Draw | None,
-    plot: Path | None,
-) -> None:
-    """Draw a march if requested, and print it."""
-    if draw is not None and plot is not None:
-        from compare.figures.saving import save_figure
-
-        save_figure(draw(marched), plot)
-    if as_json:
-        files = [path for path in (save, plot) if path is not None]
-        document = march_document(marched)
-        document = document if points is None else points.with_units(document, marched)
-        terminal.print_json("solve", document, files=files)
-        return
-    if points is not None:  # what was asked for comes first
-        Console().print(points_table(marched, points))
-    Console().print(terminal.march_table(marched, label))
-    for done, path in (("Saved", save), ("Drawn", plot)):
-        if path is not None:
-            Console().print(f"{done} in {path}", highlight=False)

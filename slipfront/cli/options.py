@@ -127,10 +127,7 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
 def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
-    Raises
-    ------
-    SceneError
-        If it was given with a unit, and the scene does not say its own.
+    A unit is refused by a SceneError where the scene does not say its own.
     """
     if isinstance(value, InSI) and hasattr(scene, "interface") and dimension != "1":
         raise SceneError(
@@ -144,10 +141,7 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
 def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
-    Raises
-    ------
-    SceneError
-        If it is no number, its unit is unknown, or the scene does not say its own.
+    What is none, or has a unit that cannot be taken, is refused by a SceneError.
     """
     try:
         number = measure(text, dimension, si_size)
@@ -336,13 +330,7 @@ def option_name(argument: str) -> str:
 
 
 def in_seconds(time: str | None) -> float | None:
-    """Convert a time as it is typed, such as 90, 60s, 1.5min or 2h, to seconds.
-
-    Raises
-    ------
-    SceneError
-        If the text is no such time, or the time is not positive.
-    """
+    """Convert a time as it is typed, such as 90, 60s, 1.5min or 2h, to seconds, or refuse it."""
     if time is None:
         return None
     match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", time.strip().lower())

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
+from compare.output.printed import PrintedTable
 from semianalytic import find, solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
@@ -21,7 +20,7 @@ from semianalytic.scene.loading import HalfLine
 from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
 from slipfront.cli.scenes.completion import figure_names
-from slipfront.cli.scenes.points import AskedPoints, points_of, points_table
+from slipfront.cli.scenes.points import AskedPoints, points_of, show_answer
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -147,32 +146,17 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar problem and print the result.
-
-    Raises
-    ------
-    ComputationError
-        If the answer has not converged; it is printed before.
-    """
+    """Solve a self-similar problem and print the result, also if it has not converged."""
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(problem, method="self-similar")
-    if draw is not None and plot is not None:
-        from compare.figures.saving import save_figure
 
-        save_figure(draw(solution), plot)
-    if as_json:
-        document = solution_document(solution, end_time)
-        document = document if points is None else points.with_units(document, solution)
-        terminal.print_json("solve", document, files=[] if plot is None else [plot])
-    else:
-        console = Console()
-        if points is not None:  # what was asked for comes first
-            console.print(points_table(solution, points))
-        console.print(terminal.zones_table(solution, label))
+    def tables() -> Iterator[PrintedTable]:
+        yield terminal.zones_table(solution, label)
         if end_time is not None:
-            console.print(terminal.end_table(solution, end_time))
-        console.print(terminal.facts_table(solution))
-        if plot is not None:
-            console.print(f"Drawn in {plot}", highlight=False)
+            yield terminal.end_table(solution, end_time)
+        yield terminal.facts_table(solution)
+
+    document = solution_document(solution, end_time)
+    show_answer(solution, document, tables(), points, {"Drawn": plot}, draw, as_json=as_json)
     check_converged(solution, label)

@@ -176,13 +176,7 @@ def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Numbers of a dimension may have units, all of one text or none; they are returned in the units
-    of the scene.
-
-    Raises
-    ------
-    SceneError
-        If the text has none of these forms, units are not those of the dimension, or there are too
-        many values.
+    of the scene.  Other texts, and too many values, are refused by a SceneError.
     """
     from slipfront.surveys.plan import MOST_VALUES
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping
-from dataclasses import fields
-from typing import Any
+from dataclasses import MISSING, fields
 
 from semianalytic import Scene
 from semianalytic.methods import chosen
@@ -51,20 +50,16 @@ def table_file(answer: Shown) -> Content:
     return "slipfront.csv", "text/csv", text.getvalue().encode()
 
 
-def scene_file(scene: Scene) -> Content:
-    """Return the scene as a commented TOML file, which commands accept."""
-    text = scene_text(scene, "slipfront explore")
-    return "scene.toml", "application/toml", text.encode()
-
-
 def program(scene: Scene) -> str:
     """Return a short Python program that reproduces the answer."""
-    parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
     lines = ["import slipfront as sf", "", "scene = sf.Scene("]
-    for name in parts:
-        value = repr(getattr(scene, name))
-        made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
-        lines += _argument(name, made)
+    for one in fields(scene):
+        made = None if one.default_factory is MISSING else one.default_factory()
+        value = getattr(scene, one.name)
+        if value != (made if one.default is MISSING else one.default):
+            text = repr(value)
+            # classes stand behind sf
+            lines += _argument(one.name, f"sf.{text}" if text[0].isupper() else text)
     time = end_time(scene)
     if chosen(scene).name == "self-similar":
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
@@ -83,30 +78,16 @@ def _argument(name: str, made: str) -> list[str]:
     return [f"    {name}={head}(", *parts, "    ),"]
 
 
-def _qualified(value: str) -> str:
-    """Return a value of a scene as a user's program writes it, with classes behind sf."""
-    return f"sf.{value}" if value[0].isupper() else value
-
-
-def _default(one: Any) -> Any:
-    from dataclasses import MISSING
-
-    if one.default is not MISSING:
-        return one.default
-    return one.default_factory() if one.default_factory is not MISSING else MISSING
-
-
-def program_file(scene: Scene) -> Content:
-    """Return `program` as a file."""
-    return "scene.py", "text/x-python", program(scene).encode()
-
-
 FILES: Mapping[str, Callable[[Shown], Content]] = {
     "svg": lambda answer: figure_file(answer, "svg"),
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),
     "csv": table_file,
-    "toml": lambda answer: scene_file(answer.scene),
-    "python": lambda answer: program_file(answer.scene),
+    "toml": lambda answer: (
+        "scene.toml",
+        "application/toml",
+        scene_text(answer.scene, "slipfront explore").encode(),
+    ),
+    "python": lambda answer: ("scene.py", "text/x-python", program(answer.scene).encode()),
 }
 """The function behind each download button of the page."""

@@ -60,16 +60,10 @@ LISTEN = 40
 
 
 class Session:
-    """One page in one browser.
+    """One page in one browser, whose pictures are added to a document of Bokeh.
 
-    Parameters
-    ----------
-    document : Document
-        Bokeh document, to which the pictures are added.
-    start : Scene
-        Problem that the page shows at first unless its address says more; it sets the sliders.
-    query : str
-        Query of the address, "" or "?friction=...".
+    It shows a problem at first, which sets the sliders, unless the query of its address, "" or
+    "?friction=...", says more.
     """
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:

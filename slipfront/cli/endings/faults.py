@@ -35,13 +35,7 @@ packages: {packages}
 
 
 def crashed(error: BaseException, arguments: Sequence[str]) -> int:
-    """Write a report of an exception that nothing caught, and name it in one sentence.
-
-    Returns
-    -------
-    int
-        `CRASHED`.
-    """
+    """Report an exception that nothing caught, and name it in a sentence; return `CRASHED`."""
     words = " ".join(f"{type(error).__name__}: {error}".split())
     what = words if len(words) <= _LONGEST else f"{words[:_LONGEST]}…"
     text = _report(error, arguments)

@@ -28,14 +28,9 @@ _NUMBER = re.compile(r"\bvalid (integer|float|number)")
 
 
 def in_options(sentence: str, options: Collection[str]) -> str:
-    """Return a sentence in which the arguments it names are replaced by options.
+    """Return a sentence in which the arguments it names are replaced by options of the command.
 
-    Parameters
-    ----------
-    sentence : str
-        Names arguments `in backticks`, or as its subject: "march: nodes must be ...".
-    options : names of arguments
-        Arguments that are options of the command; others stay as they are.
+    It names arguments `in backticks`, or as its subject: "march: nodes must be ...".
     """
 
     def replaced(match: re.Match[str]) -> str:
@@ -74,12 +69,9 @@ def refuse_given(options: Mapping[str, Any], reason: str) -> None:
 
 @contextmanager
 def in_one_sentence() -> Iterator[None]:
-    """Raise what click would report in a box, such as an unknown option, as a sentence.
+    """Raise what click would report in a box, such as an unknown option, as a SceneError.
 
-    Raises
-    ------
-    SceneError
-        With the sentence, whose subject is the option or the argument in question.
+    Its sentence has the option or the argument in question as subject.
     """
     try:
         yield

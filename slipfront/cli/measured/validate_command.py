@@ -9,14 +9,15 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from compare.comparison.documents import json_text
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
-from compare.output.places import working_folder
+from compare.output.places import working_folder, write_text
 from compare.records.names import not_read
-from compare.records.options import ReadingOptions
 from compare.records.read import read_records
+from compare.records.record import ReadingOptions
 from compare.validation.conventions import BASIC, Conventions
-from compare.validation.report import validation_document, write_validation
+from compare.validation.report import validation_document
 from compare.validation.validation import CONVERTED, Validation, validate
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
@@ -173,7 +174,7 @@ def write_files(validation: Validation, label: str, directory: Path, form: str =
     from compare.validation.figure import validation_figure
 
     save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
-    write_validation(validation, label, directory / REPORT)
+    write_text(directory / REPORT, json_text(validation_document(validation, label)))
 
 
 def _columns(told: Sequence[str]) -> dict[str, str]:

@@ -12,8 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
-from compare.output.files import write_text
-from compare.output.places import check_file
+from compare.output.places import check_file, write_text
 from compare.output.printed import PrintedTable
 from semianalytic import Scene, find
 from semianalytic.interface.named import NAMED_INTERFACES

@@ -19,8 +19,7 @@ from faults import (
 )
 
 from compare.figures.saving import save_figure
-from compare.output.files import write_text
-from compare.output.places import LOCK, check_file, save_somewhere, working_folder
+from compare.output.places import LOCK, check_file, save_somewhere, working_folder, write_text
 from fem import simulate
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
