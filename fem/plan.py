@@ -30,7 +30,6 @@ from semianalytic.scene.scene import Material, Scene
 
 TRIANGLES = 1.156
 """Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
-
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"
 LOCKSTEP = "antisymmetric and symmetric halves in lockstep"

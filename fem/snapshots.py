@@ -26,20 +26,16 @@ from semianalytic.scene.errors import DataFileError
 INDEX = "fields.pvd"
 CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
 """VTK's names of the elements, whose nodes scikit-fem puts in the same order."""
-
 MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 """Order of the nodes of an element that makes its mirror image counter-clockwise again."""
-
 PRECISION = np.float32
 """Type of the fields in a frame.  Its rounding, 6e-8, is far below the errors of any mesh; in
 double precision a frame is 1.7 times as large and takes 1.7 times as long to write and to read."""
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
-
 COMPANIONS = 2
 """How many coarser runs a simulation carries, each at twice the element size of the one before."""
-
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 

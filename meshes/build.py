@@ -20,28 +20,17 @@ from semianalytic.scene.extras import how_to_install
 
 APT_PACKAGES = files("meshes").joinpath("apt-packages.txt").read_text(encoding="ascii").strip()
 """Debian packages of the shared libraries that libgmsh is linked against; CI installs them too."""
-
 LAST_LINE = b"$EndElements\n"
 """Last line of a mesh file that gmsh could write to its end."""
 
 
 def build_mesh(blocks: Blocks, path: str | Path) -> None:
-    """Fill the blocks with triangles and write them as binary MSH 4.1.
-
-    The file appears under its name only when complete.
-
-    Parameters
-    ----------
-    blocks : Blocks
-    path : path
-        Where to write; the folder must exist.
+    """Fill the blocks with triangles and write them as binary MSH 4.1, completely or not at all.
 
     Raises
     ------
-    MissingLibraryError
-        If gmsh cannot be loaded.
-    DataFileError
-        If the file cannot be written.
+    MissingLibraryError, DataFileError
+        If gmsh cannot be loaded, or the file cannot be written.
     """
     with new_mesh_file(blocks, path) as part:
         write_mesh(blocks, part)
@@ -54,15 +43,7 @@ def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Pa
 
 
 def write_mesh(blocks: Blocks, part: Path) -> None:
-    """Mesh the blocks into a file that exists.
-
-    Raises
-    ------
-    MissingLibraryError
-        As `build_mesh`.
-    OSError
-        If the file cannot be written.
-    """
+    """Mesh the blocks into a file that exists; MissingLibraryError if gmsh cannot be loaded."""
     try:
         import gmsh  # which loads libgmsh and the libraries it is linked against
     except (ImportError, OSError) as error:

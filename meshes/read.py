@@ -30,20 +30,10 @@ class _Raw:
 
 
 def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
-    """Read blocks of triangles from a mesh file.
+    """Read blocks of triangles from a binary MSH 4.1 file, as `mesh_of` describes them.
 
-    Parameters
-    ----------
-    path : path
-        A binary MSH 4.1 file.
-    blocks : Blocks
-        What the file must hold.
-
-    Returns
-    -------
-    MeshTri
-        As `mesh_of` describes it.  Nodes on the boundaries are put exactly on the grid; gmsh's own
-        places are off by up to 1e-9 elements.
+    Nodes on the boundaries are put exactly on the grid; gmsh's own places are off by up to 1e-9
+    elements.
 
     Raises
     ------

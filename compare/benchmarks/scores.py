@@ -210,6 +210,10 @@ def _relative_error(
 ) -> float:
     """Relative L1 error of a quantity, means of slip rate over a step; nan where none has it."""
     wrong = whole = unit = 0.0
+    # what an error is relative to where the answer is zero, as it is nowhere but in scenes
+    scene = _slot_in_one_solid(sheet)
+    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
+    size = scale(scene) if scene else 1.0
     for one in stations:
         step = step if name == "slip_rate" else 0.0
         t, values, exact = _both(answer, one, name, step)
@@ -218,7 +222,7 @@ def _relative_error(
             t, values, exact = t[known], values[known], exact[known]
             wrong += float(np.trapezoid(np.abs(values - exact), t))
             whole += float(np.trapezoid(np.abs(exact), t))
-            unit += _unit(sheet, name) * float(t[-1] - t[0])
+            unit += size * float(t[-1] - t[0])
     whole = whole if whole > NOTHING * unit else unit
     return wrong / whole if whole else math.nan
 
@@ -228,13 +232,6 @@ def _slot_in_one_solid(sheet: Sheet) -> Scene | None:
     scene = sheet.problem
     taken = scene.has_slot and not scene.on_line and scene.lower_material is None
     return scene if taken else None
-
-
-def _unit(sheet: Sheet, name: str) -> float:
-    """What an error is relative to where the answer is zero, as it is nowhere but in scenes."""
-    scene = _slot_in_one_solid(sheet)
-    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
-    return scale(scene) if scene else 1.0
 
 
 def _both(

@@ -18,7 +18,6 @@ from semianalytic.scene.scene import Scene
 
 Window = tuple[float, float, float, float]
 """Limits of a picture: smallest x, largest x, smallest y, largest y [length]."""
-
 MARGIN = 1.05
 """Default extent of a picture relative to the distance of the first wave."""
 

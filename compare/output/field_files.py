@@ -21,7 +21,6 @@ from semianalytic.scene.units import unit
 Array = NDArray[np.float64]
 Fields = WholeFields | PairSolution
 """Answers that hold the fields in both bodies."""
-
 SHOWN = 4.0
 """Pictures reach at most so many times the shear wave speed, or the speed of the outermost edge.
 
@@ -30,7 +29,6 @@ shear wave: pictures as far as that show zones on 2 % of their width, ones of tw
 """
 AT_ONCE = 200_000
 """Number of points whose fields are computed together, with 0.4 kB of memory each."""
-
 _AXES = ("xx", "yy", "xy", "xz", "yz")
 
 

@@ -20,12 +20,10 @@ VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u di
 """Names of vectors at nodes, in lower case."""
 ON_INTERFACE = 1e-9
 """Distance from y = 0, over the size of the mesh, within which a node is on the interface."""
-
 _EMPTY = re.compile(rb"<!DOCTYPE[^\[<>]*(\[\s*\])?\s*>")
 """A document type that defines nothing, as most codes write it; that of a name is not fetched."""
 HEAD = 2**16
 """Bytes of a file of XML in which a document type would stand."""
-
 Frame = tuple[float, Any]
 """Time, and a mesh with fields."""
 
@@ -63,7 +61,14 @@ def _frames(path: Path) -> Iterator[Frame]:
         for time, piece in _pieces(path):
             yield time, _mesh(piece)
     elif suffix in (".xdmf", ".xmf"):
-        yield from _xdmf_frames(path)
+        import meshio
+
+        _check_entities(path, content_of(path))
+        with meshio.xdmf.TimeSeriesReader(path) as reader:
+            points, cells = reader.read_points_cells()
+            for step in range(reader.num_steps):
+                time, point_data, _ = reader.read_data(step)
+                yield float(time), meshio.Mesh(points, cells, point_data=point_data)
     else:
         raise DataFileError(
             f"{path} is one frame and does not say its time; give the .pvd or .xdmf file of all."
@@ -100,17 +105,6 @@ def _mesh(path: Path) -> Any:
         _check_entities(path, stream.read(HEAD))
     with parsing(path):
         return meshio.read(path)
-
-
-def _xdmf_frames(path: Path) -> Iterator[Frame]:
-    import meshio
-
-    _check_entities(path, content_of(path))
-    with meshio.xdmf.TimeSeriesReader(path) as reader:
-        points, cells = reader.read_points_cells()
-        for step in range(reader.num_steps):
-            time, point_data, _ = reader.read_data(step)
-            yield float(time), meshio.Mesh(points, cells, point_data=point_data)
 
 
 def _interface(

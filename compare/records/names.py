@@ -48,7 +48,6 @@ the tractions themselves, which are taken where a file has both."""
 
 LONGEST = 200
 """Number of characters of a header that are examined."""
-
 _KINDS = {name: kind for kind, names in ALIASES.items() for name in names.split()}
 _OF_FACES = {face: kind for kind, faces in FACES.items() for face in faces}
 _COMPRESSION = {"pressure", "normal_pressure", "contact_pressure", "p"}

@@ -14,7 +14,6 @@ Array = NDArray[np.float64]
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is
 positive in compression."""
-
 BEFORE, AFTER = "before", "after"
 """A slip rate may be the mean over the step before or after its time."""
 

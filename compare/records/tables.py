@@ -27,7 +27,6 @@ NEVER = 1e8
 """Rupture times from this value on mean that no rupture occurred; SCEC writes 1e9."""
 _FAR = 10.0
 """Factor above all other times from which 1000, 99999 and their like mean the same."""
-
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 _LENGTH = r"\s*([-+]?[\d.][-+\d.eE]*)\s*(\S*)"

@@ -26,7 +26,6 @@ Item = TypeVar("Item")
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables of a process with one linear-algebra thread."""
-
 LIFELINE = "--lifeline"
 """Argument that tells a program that its standard input is a `lifeline`."""
 
@@ -147,11 +146,11 @@ def _serve_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_end_after, args=(wait, [parent.sentinel]), daemon=True).start()
 
 
-def _end_after(sentinel: int) -> None:
-    wait([sentinel])
+def _end_after(waited: Callable[..., object], *given: Any) -> None:
+    waited(*given)
     os._exit(1)
 
 
@@ -171,9 +170,4 @@ def lifeline() -> Iterator[int]:
 
 def hang_on() -> None:
     """End this process when its parent dies; its standard input must be a `lifeline`."""
-
-    def end() -> None:
-        os.read(0, 1)
-        os._exit(1)
-
-    threading.Thread(target=end, daemon=True).start()
+    threading.Thread(target=_end_after, args=(os.read, 0, 1), daemon=True).start()

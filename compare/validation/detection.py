@@ -18,7 +18,7 @@ import numpy as np
 from compare.records.record import AFTER, BEFORE, QUANTITIES, Array, Records
 from compare.validation.conventions import WORDS, Conventions
 from compare.validation.exact import POINT, Exact, Sampling, exact_answer
-from compare.validation.norms import quantity_norm, weights
+from compare.validation.norms import pooled, station_norm, weights
 from compare.validation.readings import (
     TRACTIONS,
     TURNS,
@@ -273,8 +273,12 @@ def _with_means(found: Detection, run: Records) -> Detection:
     """Whether slip rates are means over steps, where nothing says so."""
     read, exact = found.reading.apply(run), found.exact
     kinds = {kind: Sampling(kind) for kind in (POINT, BEFORE, AFTER)}
-    norms = {kind: quantity_norm(read, "slip_rate", exact, one) for kind, one in kinds.items()}
-    errors = {kind: norm.L1 for kind, norm in norms.items() if norm is not None and norm.exact > 0}
+    errors = {}
+    for kind, one in kinds.items():
+        norms = [station_norm(record, "slip_rate", exact, one) for record in read.stations]
+        known = [norm for norm in norms if norm is not None]
+        if known and (norm := pooled(known)).exact > 0:
+            errors[kind] = norm.L1
     if not errors:
         return found
     best = min(errors, key=errors.__getitem__)

@@ -19,7 +19,6 @@ from semianalytic.scene.scene import Material
 
 ROUNDED = 1e-13
 """Entries of a stiffness matrix below this fraction of the stiffest modulus count as zero."""
-
 SAME_SHAPE = 1e-12
 """Largest difference of the corners of elements of one shape, over the largest element."""
 

@@ -36,10 +36,8 @@ from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
 """Number of points of the midpoint rule, which converges exponentially."""
-
 DOUBLINGS = 14
 """Number of times that the depth of the meshed half-plane is doubled."""
-
 FARTHEST = 0.49
 """Largest distance of an edge from its node, over h: beyond h/2 another node would be nearer."""
 

@@ -15,7 +15,6 @@ from slipfront.explore.views import Shown, end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and its content."""
-
 _LONGEST_LINE = 60
 """Longest line of a program that the page shows without breaking it."""
 _COLUMNS = {

@@ -91,16 +91,9 @@ class Session:
         """Fill the document."""
         document = self._document
         document.title = "slipfront explore"
-        roots = (
-            self._interface.rate,
-            self._interface.tractions,
-            self._interface.slip,
-            self._space_time.panel,
-            self._field.panel,
-            self._map.panel,
-            self._asked,
-            self._told,
-        )
+        interface, others = self._interface, (self._space_time, self._field, self._map)
+        panels = (interface.rate, interface.tractions, interface.slip)
+        roots = (*panels, *(one.panel for one in others), self._asked, self._told)
         # One search for all models in place of eight, each through all roots so far.
         with document.models.freeze():
             for root in roots:
@@ -175,10 +168,11 @@ class Session:
         """Draw the scene of the controls, or say why it does not exist."""
         # the address follows the controls where there is no answer as well
         query = query_of(values) + self._moment.query
+        told = {"since": since, "query": query, "moving": moving}
         try:
             scene = scene_of(values)
             if isinstance(self._answer, Marched) and self._answer.scene == scene:
-                self._show_march(self._answer, moving, since, query)
+                self._show_march(self._answer, told)
                 return
             if self._march_worker.busy and self._marching == scene:
                 self._tell(since=since, moving=moving)  # drawn when the march is done
@@ -187,9 +181,9 @@ class Session:
             self._shown = self._marching = None
             self._map.place(scene.coefficient, scene.material.poisson_ratio)
             if chosen(scene).name == "self-similar":
-                self._show_solution(scene, moving, since, query)
+                self._show_solution(scene, told)
             else:
-                self._march(scene, moving, since, query)
+                self._march(scene, told)
             if not moving:
                 self._draw_map(scene)
         except SlipfrontError as error:
@@ -206,28 +200,20 @@ class Session:
         self._answer = self._shown = None
         self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
 
-    def _march(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+    def _march(self, scene: Scene, told: Mapping[str, Any]) -> None:
         """Start the march of a scene once its slider stands still."""
         self._answer = None
-        self._tell(
-            stale=True,
-            query=query,
-            moving=moving,
-            since=since,
-            status="let go of the slider to march it" if moving else "marching",
-            readings=[],
-            scales=scales(scene),
-        )
-        if not moving:
+        status = "let go of the slider to march it" if told["moving"] else "marching"
+        self._tell(**told, stale=True, status=status, readings=[], scales=scales(scene))
+        if not told["moving"]:
             self._marching = scene
             self._march_worker.start(jobs.marched_views, scene, self._moment)
 
-    def _show_march(self, marched: Marched, moving: bool, since: float, query: str) -> None:
+    def _show_march(self, marched: Marched, told: Mapping[str, Any]) -> None:
         """Draw another moment of a march that is done; its field comes when the slider stops."""
         self._draw_contact(marched, views.NODES)
-        told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
-        self._tell(since=since, query=query, moving=moving, **told)
-        if not moving and isinstance(marched.scene.load, Tractions):
+        self._tell(**told, status=marched.status, error=f"{marched.error_estimate:.1e}")
+        if not told["moving"] and isinstance(marched.scene.load, Tractions):
             self._march_worker.start(jobs.marched_field, marched, self._moment)
 
     def _draw_contact(self, answer: views.Shown, nodes: int) -> None:
@@ -237,16 +223,14 @@ class Session:
         self._space_time.draw(space_time)
         self._space_time.mark(share)
 
-    def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
-        began = time.perf_counter()
+    def _show_solution(self, scene: Scene, told: Mapping[str, Any]) -> None:
+        moving, began = told["moving"], time.perf_counter()
         solution = jobs.solved(scene, MOVING_RTOL if moving else RTOL)
         seconds = time.perf_counter() - began
         self._draw_contact(solution, MOVING_NODES if moving else views.NODES)
         self._answer, self._shown = solution, scene
         self._tell(
-            since=since,
-            query=query,
-            moving=moving,
+            **told,
             status=solution.status,
             error=f"{solution.error_estimate:.1e}",
             solved=1e3 * seconds,

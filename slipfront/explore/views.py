@@ -88,7 +88,7 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
     scene = answer.scene
     end, stress = end_time(scene), stress_scale(scene)
     time, rate = share * end, slip_rate_scale(scene)
-    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes, share)
+    x = _places(answer, nodes, share)
     pressure = answer.pressure(x, time)
     return InterfaceView(
         x=x / (scene.material.shear_speed * end),
@@ -100,8 +100,11 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
     )
 
 
-def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
+def _places(solution: Shown, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
+    if isinstance(solution, Marched):
+        x = solution.interface.x
+        return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
     scene, fronts = solution.scene, contact_fronts(solution.scene)
     far = reach(solution, end_time(scene))[1] / end_time(scene)
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
@@ -111,11 +114,6 @@ def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Arra
     speeds = np.concatenate([even / share, even, (near[:, None] * (1 + BESIDE)).ravel()])
     inside = (speeds > 0) & (speeds <= far / share)
     return np.unique(speeds[inside]) * share * end_time(scene)
-
-
-def _march_places(marched: Marched) -> Array:
-    x = marched.interface.x
-    return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
 
 
 def _limits(values: Array, margin: float) -> tuple[float, float]:

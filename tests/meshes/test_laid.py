@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from faults import FULL, full_disk
 
-from meshes import Blocks, build_mesh, mesh_of, read_mesh
-from meshes.build import APT_PACKAGES
+from meshes import Blocks, mesh_of
+from meshes.build import APT_PACKAGES, build_mesh
+from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 
 ROOT = Path(__file__).parents[2]

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from faults import as_nobody, open_folder
 
-from meshes import Blocks, build_mesh, causal_blocks, mesh_of, read_mesh, side_nodes
+from meshes import Blocks, causal_blocks, mesh_of, side_nodes
+from meshes.build import build_mesh
 from meshes.cache import cache_path
+from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, SceneError
 
 BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)

@@ -17,7 +17,6 @@ CRASHED = 70
 """EX_SOFTWARE of sysexits.h."""
 READER_GONE = 141
 """Exit code that a shell reports for a program ended by SIGPIPE."""
-
 _PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
 _LONGEST = 200
 _REPORT = """\

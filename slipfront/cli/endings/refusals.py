@@ -19,7 +19,6 @@ from slipfront.cli.options import option_name
 
 ALIKE = {"nodes": "resolution"}
 """Options that replace arguments a command does not have: the nodes of a march follow from them."""
-
 _SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must | has a unit)")
 _NAMED = re.compile(r"`(\w+)`")
 _REFUSAL: Any = typer.BadParameter.__base__  # UsageError, of click or of the copy in newer typers
