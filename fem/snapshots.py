@@ -105,7 +105,7 @@ class Snapshots:
                 f"{due - len(self.frames)} of the {due} snapshots due before the interruption are "
                 f"not in {self.directory}."
             )
-        self._write_index()
+        write_index(self.directory, self.frames, self.run)
 
     def is_due(self, level: int) -> bool:
         """Return whether a time level has a frame, and no frame has failed."""
@@ -123,7 +123,7 @@ class Snapshots:
                         f"{path} would leave no room on the disk for the histories."
                     )
             self.frames.append((time, name))
-            self._write_index()
+            write_index(self.directory, self.frames, self.run)
         except DataFileError as error:
             self.frames = [entry for entry in self.frames if entry[1] != name]
             self.failed = True
@@ -194,9 +194,6 @@ class Snapshots:
         for mirrored in parts[1:]:
             mirrored[:, 1] *= -1
         return np.concatenate(parts, axis=2)
-
-    def _write_index(self) -> None:
-        write_index(self.directory, self.frames, self.run)
 
 
 @contextmanager

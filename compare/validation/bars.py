@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from compare.comparison.rows import Row
 from compare.records.record import Record
@@ -49,6 +50,20 @@ class Bar:
     def whole(self) -> float | None:
         """All parts together; None where one is not known."""
         return None if self.grid is None else self.grid + self.data + self.answer
+
+    def row(
+        self,
+        name: str,
+        kind: str,
+        exact: float,
+        simulated: float | None,
+        difference: float | None,
+        **given: Any,
+    ) -> JudgedRow:
+        """A row with this bar and its parts."""
+        given |= {"grid_bar": self.grid, "data_bar": self.data, "answer_bar": self.answer}
+        numbers = (exact, exact, simulated, difference, self.whole)
+        return JudgedRow(name, kind, *numbers, order=self.order, **given)
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 def scenes(as_json: AsJson = False) -> None:
     """List all scenes, and what other packages bring: scenes, laws, histories, figures, methods."""
-    rows = [*_own_rows(), *_other_rows(), *map(_brought_row, plugins(SCENES))]
+    rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
@@ -77,27 +77,18 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    for name, named in NAMED_SCENES.items():
-        yield {
-            "name": name,
-            "what": _what(named.scene),
-            "package": None,
-            "problem": "",
-            "summary": named.summary,
-            "scene": scene_document(named.scene),
-        }
-
-
-def _other_rows() -> Iterator[dict[str, Any]]:
-    """Yield the scenes on a line."""
-    for name, text in NAMED_LINES.items():
-        row = {"name": name, "what": "on a line", "package": None, "problem": ""}
-        summary, document = tomllib.loads(text)["summary"], scene_document(find(name))
-        yield {**row, "summary": summary, "scene": document}
+    own = [(name, one.scene, one.summary) for name, one in NAMED_SCENES.items()]
+    lines = NAMED_LINES.items()
+    own += [(name, find(name), tomllib.loads(text)["summary"]) for name, text in lines]
+    for name, scene, summary in own:
+        row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
+        yield {**row, "summary": summary, "scene": scene_document(scene)}
 
 
 def _what(scene: Scene) -> str:
     """Return in a word or two what a scene is."""
+    if scene.on_line:
+        return "on a line"
     if scene.grows:
         return "growing load"
     if not scene.has_slot:
