@@ -13,7 +13,7 @@ from compare.figures.style import describe, new_figure, styled
 from semianalytic import Solution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.plugins import FIGURES, Plugin, find_plugin, plugin_names
+from semianalytic.scene.plugins import FIGURES, find_plugin, plugin_names
 
 Draw = Callable[[Any], Figure]
 
@@ -51,10 +51,7 @@ def find_figure(name: str) -> Draw:
     draw = plugin.load()
     if not callable(draw):
         raise plugin.error(f"must be a function of an answer, not {shown(draw)}")
-    return _drawn_by(plugin, draw)
 
-
-def _drawn_by(plugin: Plugin, draw: Callable[[Any], object]) -> Draw:
     def drawn(answer: Any) -> Figure:
         figure = plugin.guarded("cannot be drawn", lambda: draw(answer))
         if not isinstance(figure, Figure):

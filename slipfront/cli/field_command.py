@@ -57,7 +57,6 @@ _DIMENSIONS: Dimensions = {
 
 _PICTURE, _FILM, _GRID, _GAUGE = "Picture", "Animation", "Grid for ParaView", "Gauges"
 
-
 _OPTIONS: Mapping[str, Any] = {
     "of": option(
         "Quantity: speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; "

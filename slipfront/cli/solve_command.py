@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 _POINTS = "Points of the contact"
 
-
 _OPTIONS: Mapping[str, Any] = {
     "end_time": options.measured_option(
         "time",

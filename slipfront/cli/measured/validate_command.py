@@ -84,7 +84,6 @@ PLACES: Mapping[str, Any] = {
     ),
 }
 
-
 _OPTIONS: Mapping[str, Any] = {
     "results": typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
     "scene_name": option(
