@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from compare.figures.interface import prediction_figure
-from compare.figures.style import describe, new_figure, styled
+from compare.figures.style import new_figure, styled
 from semianalytic import Solution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -25,7 +25,7 @@ def answer_figure(answer: Any) -> Figure:
     """Draw slip rate and tractions in one solid, or what `plot` draws of any other answer."""
     if isinstance(answer, Solution):
         return prediction_figure(answer)
-    figure = describe(new_figure(7, 4.7), answer.scene)
+    figure = new_figure(7, 4.7)
     mapped = getattr(answer, "interface", None) is not None
     answer.plot(ax=figure.subplots(1 if mapped else 2, sharex=True))
     return figure

@@ -8,8 +8,8 @@ from importlib.metadata import version
 from typing import Any
 
 from compare.comparison.documents import SCENE_DIMENSIONS, row_units, units_document
-from compare.comparison.prediction import method_of
 from compare.validation.validation import Validation
+from semianalytic.results.answer import method_of
 from semianalytic.scene.given.documents import scene_document
 
 FORMAT = "slipfront validation 1"

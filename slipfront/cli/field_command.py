@@ -11,12 +11,12 @@ import numpy as np
 from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
-from compare.comparison.prediction import method_of
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import Marched, solve
+from semianalytic import solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.answer import method_of
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -222,7 +222,7 @@ def field_command(
         lines = (f"  {name:{width}}  {words}" for name, words in names.items())
         text = "\n".join([f"Written to {directory}/:", *lines])
         Console(soft_wrap=True).print(text, highlight=False, markup=False)
-    if isinstance(answer, Marched):
+    if method_of(answer) == "space-time":
         check_resolved(answer, label)
     else:
         check_converged(answer, label)

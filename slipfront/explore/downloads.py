@@ -6,12 +6,13 @@ import csv
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
+from typing import Any
 
 from semianalytic import Scene
 from semianalytic.methods import chosen
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
-from slipfront.explore.views import Shown, end_time, interface_view
+from slipfront.explore.views import end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and its content."""
@@ -25,7 +26,7 @@ _COLUMNS = {
 }
 
 
-def figure_file(answer: Shown, form: str) -> Content:
+def figure_file(answer: Any, form: str) -> Content:
     """Return the matplotlib figure of an answer as svg, pdf or png."""
     from compare.figures.named import answer_figure
 
@@ -35,7 +36,7 @@ def figure_file(answer: Shown, form: str) -> Content:
     return f"slipfront.{form}", mime, drawn.getvalue()
 
 
-def table_file(answer: Shown) -> Content:
+def table_file(answer: Any) -> Content:
     """Return slip rate, slip and tractions along the contact at T as CSV; line 1 has the units."""
     scene, time = answer.scene, end_time(answer.scene)
     x = interface_view(answer).x * scene.material.shear_speed * time
@@ -77,7 +78,7 @@ def _argument(name: str, made: str) -> list[str]:
     return [f"    {name}={head}(", *parts, "    ),"]
 
 
-FILES: Mapping[str, Callable[[Shown], Content]] = {
+FILES: Mapping[str, Callable[[Any], Content]] = {
     "svg": lambda answer: figure_file(answer, "svg"),
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),

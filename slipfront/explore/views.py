@@ -8,21 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from semianalytic import Marched, Scene, Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic import Marched, Scene
 from semianalytic.results.answer import WholeFields
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
-Shown = Solution | PairSolution | Marched
-"""Answers that the page shows."""
 KINDS = ("stick", "slip", "reverse slip", "open")
 """States of the contact; arrays store the index of a state."""
 NODES = 300
@@ -83,7 +81,7 @@ class InterfaceView:
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
-def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> InterfaceView:
+def interface_view(answer: Any, nodes: int = NODES, share: float = 1.0) -> InterfaceView:
     """Return slip rate, slip and tractions along the contact, at `nodes` places and at edges."""
     scene = answer.scene
     end, stress = end_time(scene), stress_scale(scene)
@@ -100,9 +98,9 @@ def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> Int
     )
 
 
-def _places(solution: Shown, nodes: int, share: float) -> Array:
+def _places(solution: Any, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
-    if isinstance(solution, Marched):
+    if solution.method == "space-time":
         x = solution.interface.x
         return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
     scene, fronts = solution.scene, contact_fronts(solution.scene)
@@ -145,13 +143,13 @@ class SpaceTimeView:
     waves: Mapping[str, float]
 
 
-def space_time_view(answer: Shown) -> SpaceTimeView:
+def space_time_view(answer: Any) -> SpaceTimeView:
     """Return zones as wedges if they are self-similar, otherwise as an image of slip senses."""
     scene = answer.scene
     speed = scene.material.shear_speed
     fronts = contact_fronts(scene)
     waves = {name: one / speed for name, one in fronts.items()}
-    if isinstance(answer, Marched):
+    if answer.method == "space-time":
         last = float(answer.interface.x[-1]) / (speed * end_time(scene))
         return SpaceTimeView((), _senses(answer), last, waves)
     length = speed * end_time(scene)
