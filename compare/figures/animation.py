@@ -39,12 +39,8 @@ def write_animation(
     """Write a picture at several times [time] as an animation, in the format of its file name.
 
     The suffix is a key of `WRITERS`; the file appears only when it is complete, and `progress` is
-    called with (frame, frames) after each.
-
-    Raises
-    ------
-    DataFileError, ComputationError
-        If the file cannot be written, or ffmpeg fails.
+    called with (frame, frames) after each.  A DataFileError says that it cannot be written, a
+    ComputationError that ffmpeg fails.
     """
     with new_file(path, suffix=path.suffix) as part:
         writer = WRITERS[path.suffix[1:]](fps=PER_SECOND)

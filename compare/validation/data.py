@@ -23,12 +23,8 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     """Records of one or several runs, in the order given.
 
     A mapping holds arrays "t", "x" and some of `QUANTITIES`: all of one length, a row for each
-    sample, or t (m,), x (n,) or a number, and values (m, n) or (m,).
-
-    Raises
-    ------
-    DataFileError
-        If there are no records, one has fewer than two times, or arrays do not fit each other.
+    sample, or t (m,), x (n,) or a number, and values (m, n) or (m,).  A DataFileError
+    refuses no records, records of fewer than two times, and arrays that do not fit each other.
     """
     runs = [_run(one) for one in (data if isinstance(data, Sequence) else [data])]
     if not runs:

@@ -222,12 +222,8 @@ def _compare_line(
 ) -> None:
     """March and simulate a scene with settings of `compare`, and judge both.
 
-    All rows are written to a folder if one is given.
-
-    Raises
-    ------
-    ComputationError
-        If the run is unresolved; it is printed before.
+    All rows are written to a folder if one is given.  An unresolved run is printed, and raises a
+    ComputationError.
     """
     require("slipfront compare", *FEM)
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
