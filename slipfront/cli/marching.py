@@ -108,14 +108,15 @@ def march_command(
             f"Every {done.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    document = (run_document if scene.on_line else march_document)(done)
-    table = (terminal.run_table if scene.on_line else terminal.march_table)(done, label)
+    on_line = done.scene.on_line
+    document = (run_document if on_line else march_document)(done)
+    table = (terminal.run_table if on_line else terminal.march_table)(done, label)
     files = {"Saved": save, "Drawn": plot}
     show_answer(done, document, [table], points, files, draw, as_json=as_json)
-    if scene.on_line and done.status != "done":
-        raise ComputationError(f"{label} is {done.status}")
-    if not scene.on_line:
+    if not on_line:
         check_resolved(done, label)
+    elif done.status != "done":
+        raise ComputationError(f"{label} is {done.status}")
 
 
 def check_resolved(marched: Marched, label: str) -> None:
