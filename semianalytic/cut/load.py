@@ -9,8 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Zone
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode, RayleighFactors
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.laws.coulomb import Coulomb

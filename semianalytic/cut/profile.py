@@ -16,8 +16,7 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
 _LAWFUL = -1.0

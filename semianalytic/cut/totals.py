@@ -10,8 +10,7 @@ import numpy as np
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.running import LEAST_SHARE, Power
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 EARLIEST = 1e-200

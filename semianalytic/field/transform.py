@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 
 Complex = NDArray[np.complex128]
 

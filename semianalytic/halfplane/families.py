@@ -17,8 +17,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    rayleigh_factors,
+)
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 
 _ENDS = (-0.999, -0.95, -0.8, -0.5, -0.2, 0.05, 0.2, 0.32, 0.4, 0.44, 0.47, 0.485)

@@ -13,9 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 
 Slope = Callable[[CutPoints, Array], Array]
 """Values (..., n) at points (n,) of the cut that are so far (n,) from the end of the integral."""

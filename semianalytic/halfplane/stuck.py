@@ -19,9 +19,14 @@ import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.polynomials import chebyshev_series, gauss
-from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    rayleigh_factors,
+)
 from semianalytic.scene.scene import Material, Tractions
 
 NEAR_FRONT = 0.04

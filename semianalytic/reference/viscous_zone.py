@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
     over_shear_speed,

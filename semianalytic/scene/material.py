@@ -172,7 +172,7 @@ class Material:
             low, high = (middle, high) if cubic(middle) < 0 else (low, middle)
         return self.shear_speed * math.sqrt(high)
 
-    @property
+    @cached_property
     def shear_impedance(self) -> float:
         """Traction per particle velocity of a plane shear wave, mu b [stress time / length]."""
         return self.density * self.shear_speed

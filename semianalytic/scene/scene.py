@@ -354,7 +354,7 @@ class Scene(AlongLine):
         """Whether the load comes from far away, so that the contact carries it too."""
         return self.load_on == REMOTE or isinstance(self.load, IncidentWave)
 
-    @property
+    @cached_property
     def front_slowness(self) -> float:
         """Slowness p of the front of the load along x [time / length].
 

@@ -27,7 +27,7 @@ from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
-from semianalytic.separation.normal import NormalFields
+from semianalytic.separation.opening import NormalFields
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
     from semianalytic.field.bodies import Bodies

@@ -43,7 +43,7 @@ from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance
 from semianalytic.selfsimilar.zones.motion import slip_zones
-from semianalytic.separation.normal import with_opening
+from semianalytic.separation.opening import with_opening
 
 _log = logging.getLogger(__name__)
 

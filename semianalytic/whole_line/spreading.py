@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.halfplane.cut_points import CutPoints
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
     over_axis,
@@ -26,7 +25,7 @@ from semianalytic.halfplane.imaginary_axis import (
     static_remainder,
 )
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 

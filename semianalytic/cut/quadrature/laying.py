@@ -8,8 +8,7 @@ import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Zone, outline
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 

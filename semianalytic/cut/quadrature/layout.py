@@ -13,8 +13,7 @@ from itertools import groupby
 
 import numpy as np
 
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Pairs
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.rules import Rule
 
 MANY_NODES = 100

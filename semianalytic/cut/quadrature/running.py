@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 
 LEAST_SHARE = 1e-8
 """Share of a panel down to which a density at its end is taken as it is."""

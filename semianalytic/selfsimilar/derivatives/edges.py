@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.cut.profile import Profile
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar.derivatives.varied import VariedProfile
 
 

@@ -27,7 +27,7 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.edges import Edges, edges_of
 from semianalytic.selfsimilar.zones.placement import linearised
-from semianalytic.separation.normal import with_opening
+from semianalytic.separation.opening import with_opening
 
 _OF_LOAD = {one.name for one in fields(Rates)} - {"poisson_ratio", "front_excess"}
 """Numbers of a load that a parameter may change."""

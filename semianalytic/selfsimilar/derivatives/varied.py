@@ -23,8 +23,7 @@ from semianalytic.cut.node_fields import NodeFields
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral, Power
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.derivatives.variation import Variation
 

@@ -15,8 +15,7 @@ from semianalytic.cut.quadrature.layout import Layout
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.scene import Scene

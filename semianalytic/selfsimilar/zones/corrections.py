@@ -13,8 +13,7 @@ import numpy as np
 
 from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import RayleighFactors
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.coulomb import Violation
 

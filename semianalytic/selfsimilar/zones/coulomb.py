@@ -15,8 +15,7 @@ import numpy as np
 from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar.zones import tuning
 
 _APART = (False, False)

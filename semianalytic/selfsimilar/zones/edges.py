@@ -15,8 +15,7 @@ import numpy as np
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.selfsimilar.zones import tuning
 

@@ -10,13 +10,11 @@ import numpy as np
 
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.collocation import GridSlip, is_open, slip_on_grid
-from semianalytic.selfsimilar.zones.first_front import with_slip_at_front
-from semianalytic.selfsimilar.zones.weak_friction import weak_friction_zones
+from semianalytic.selfsimilar.zones.weak_friction import weak_friction_zones, with_slip_at_front
 
 
 @dataclass(frozen=True)

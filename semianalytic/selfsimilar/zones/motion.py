@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
-from semianalytic.halfplane.cut_points import CutPoints
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.results.places import contact_points
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning

@@ -69,7 +69,7 @@ NARROWEST_GAP = 1e-14
 UNDRIVEN_EXCESS = 1e-12
 """Tolerance of K_II over f K_I - 1 at a contact edge that nothing slips at."""
 
-# Zones to begin with (guesses, weak_friction, first_front)
+# Zones to begin with (guesses, weak_friction)
 
 WEAK_FRICTION = 0.03
 """Friction over the step of shear below which slip is nearly that without friction."""

@@ -14,7 +14,7 @@ from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.zones.collocation import slip_on_grid
-from semianalytic.separation.normal import with_opening
+from semianalytic.separation.opening import with_opening
 
 
 def tapped(friction=0.3, shear=1.0, base=0.02, held=0.0, **rest):
