@@ -12,8 +12,8 @@ from fem.results import Simulation
 from fem.run import Complaints, run_plan
 from fem.settings import LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import COMPANIONS, companion_folder
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 
 
 @checking

@@ -14,8 +14,8 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 

@@ -9,13 +9,6 @@ from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
 from semianalytic.field.derived import strain as strain
 from semianalytic.finding import find as find
-from semianalytic.interface.contact import Adhesion as Adhesion
-from semianalytic.interface.contact import Contact as Contact
-from semianalytic.interface.fields import Table as Table
-from semianalytic.interface.files import InterfaceFile as InterfaceFile
-from semianalytic.interface.interface import Interface as Interface
-from semianalytic.interface.loads import FrontLoad as FrontLoad
-from semianalytic.interface.loads import InterfaceLoad as InterfaceLoad
 from semianalytic.inversion.fitted import Fit as Fit
 from semianalytic.inversion.fitting import fit as fit
 from semianalytic.inversion.gauges import Gauge as Gauge
@@ -41,6 +34,11 @@ from semianalytic.scene.laws.rate_and_state import RateAndState as RateAndState
 from semianalytic.scene.laws.weakening import ForcedFront as ForcedFront
 from semianalytic.scene.laws.weakening import RateWeakening as RateWeakening
 from semianalytic.scene.laws.weakening import SlipWeakening as SlipWeakening
+from semianalytic.scene.line.contact import Adhesion as Adhesion
+from semianalytic.scene.line.contact import Contact as Contact
+from semianalytic.scene.line.fields import Table as Table
+from semianalytic.scene.line.loads import FrontLoad as FrontLoad
+from semianalytic.scene.line.loads import InterfaceLoad as InterfaceLoad
 from semianalytic.scene.loading import GrowingLoad as GrowingLoad
 from semianalytic.scene.loading import HalfLine as HalfLine
 from semianalytic.scene.loading import Patch as Patch

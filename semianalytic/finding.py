@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from os import PathLike, fspath
-from typing import Any
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import INTERFACE, described_scene, kind_of
+from semianalytic.scene.given.finding import described_scene
 from semianalytic.scene.scene import Scene
 
 
-def find(source: str | PathLike[str]) -> Any:
+def find(source: str | PathLike[str]) -> Scene:
     """Find a problem by its name or by the path of a TOML file.
 
     Parameters
@@ -22,8 +21,7 @@ def find(source: str | PathLike[str]) -> Any:
 
     Returns
     -------
-    Scene or InterfaceFile
-        An `InterfaceFile` holds an `Interface` and how long it is to be run.
+    Scene
 
     Raises
     ------
@@ -40,23 +38,21 @@ def find(source: str | PathLike[str]) -> Any:
     0.3
     >>> sa.find("whole-line-patch").load
     Patch(speed=0.3, pressure=0.0, shear=1.0)
-    >>> sa.find("tpv101").end_time
+    >>> sa.find("tpv101").run["end_time"]
     15.0
     """
     if not isinstance(source, str | PathLike):
         raise SceneError(f"find: give a name or the path of a TOML file, got {shown(source)}.")
     source = fspath(source)
-    if kind_of(source) == INTERFACE:  # read by a module that most problems do without
-        from semianalytic.interface.named import find_interface
-
-        return find_interface(source)
     return described_scene(source)
 
 
 def kinds_of(problem: object) -> set[str]:
     """Return what the table of methods calls a problem: its class and those it derives from."""
     if not isinstance(problem, Scene):
-        return {one.__name__.removesuffix("File") for one in type(problem).__mro__}
+        return {one.__name__ for one in type(problem).__mro__}
+    if problem.on_line:
+        return {"Scene on a line"}
     if problem.grows:
         return {"Scene that grows"}
     if not problem.has_slot:

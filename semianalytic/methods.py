@@ -35,7 +35,7 @@ METHODS = (
     Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
     Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
     Method("space-time", "Scene", "engine.scenes.march", "a slot: any history, slip weakening"),
-    Method("space-time", "Interface", "engine.run", "contacts, fields and laws along x"),
+    Method("space-time", "Scene on a line", "engine.run", "contacts, fields and laws along x"),
 )
 """The methods in the order in which they are asked; those of installed packages come last."""
 _OWN = list(dict.fromkeys(row.name for row in METHODS))
@@ -46,7 +46,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Parameters
     ----------
-    problem : Scene, Interface, InterfaceFile, str or path
+    problem : Scene, str or path
         What slips, or its name or file as for `find`.
     method : str
         "auto", or the name of a method (docs/methods.md).
@@ -103,9 +103,9 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
     names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
     if method not in names:
         raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
-    kind, kinds = min(kinds_of(problem)), "Scene" + " or Interface" * (method != _OWN[0])
+    kind = min(kinds_of(problem))
     got = f"a {kind}" if " " in kind else shown(problem)
-    wanted = f"a {kinds}, or the name or file of one, got {got}"
+    wanted = f"a Scene, or the name or file of one, got {got}"
     subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"
     raise SceneError(f"{subject} {wanted}.")
 

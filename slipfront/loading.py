@@ -9,19 +9,20 @@ from typing import Any
 from semianalytic.results.saved import kind_of_file
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.scene import Scene
 
 __all__ = ["load"]
 
 
-def load(path: str | PathLike[str], interface: Any = None) -> Any:
-    """Read an answer that was saved: a march, a run of an interface, a simulation or a history.
+def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
+    """Read an answer that was saved: a march, a run along a line, a simulation or a history.
 
     Parameters
     ----------
     path : str or path
         File that `save` wrote, or the folder of a simulation.
-    interface : Interface, optional
-        The interface of a run, which its file does not hold.
+    scene : Scene, optional
+        The scene of a run that has functions of Python, which no file can hold.
 
     Returns
     -------
@@ -35,7 +36,7 @@ def load(path: str | PathLike[str], interface: Any = None) -> Any:
     DataFileError
         If the file is missing, damaged, or holds no answer.
     SceneError
-        If the file holds a run, and the interface is not given.
+        If the file holds a run of a scene with functions of Python, and it is not given.
 
     Examples
     --------
@@ -62,10 +63,8 @@ def load(path: str | PathLike[str], interface: Any = None) -> Any:
         from semianalytic.results.interface_history import InterfaceHistory
 
         return InterfaceHistory.load(path)
-    if kind != "run of an interface":
+    if kind != "run along a line":
         raise DataFileError(f"{path} holds no answer of slipfront; give a file that `save` wrote.")
-    if interface is None:
-        raise SceneError(f"load: {path} is a run of an interface; give the interface as well.")
     from semianalytic.engine.result import Run
 
-    return Run.load(path, interface)
+    return Run.load(path, scene)

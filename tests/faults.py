@@ -95,7 +95,7 @@ def save_history(folder):
 def all_kinds():
     """Every kind of file that is read back, by name; computes a small march and simulation."""
     marched = solve(NAMED_SCENES["ramp"].scene, method="space-time", end_time=0.3, nodes=40)
-    fault = find("cattaneo").interface
+    fault = find("cattaneo")
     run = solve(fault, end_time=0.05, nodes=128, estimate=False)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
     points = read_points(ROOT / "docs" / "data" / "chart.csv")

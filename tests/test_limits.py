@@ -63,7 +63,6 @@ OUTSIDE = {
     "three dimensions": 'mode = "3-D"\n',
     "layers": "layers = 3\n",
     "plasticity": "yield_stress = 2.0\n",
-    "rate-and-state": '[friction_law]\nkind = "rate-and-state"\na = 0.01\n',
     "thermal pressurisation": "[thermal_pressurisation]\ndiffusivity = 1e-6\n",
     "anisotropic": "[stiffness]\nc11 = 3.0\n",
     "finite size": "height = 0.5\n",

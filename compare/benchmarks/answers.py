@@ -23,7 +23,7 @@ from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES
-from semianalytic import Marched, Scene, Solution, solve
+from semianalytic import Marched, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import TOTALS
 from semianalytic.whole_line.drive import Drive
@@ -91,7 +91,7 @@ def answer_to(sheet: Sheet) -> Answered:
 def _settings(sheet: Sheet) -> dict[str, Any]:
     if sheet.is_marched:
         return {"method": "space-time", "end_time": 1.0, "nodes": NODES}
-    if not isinstance(sheet.problem, Scene) or not sheet.problem.has_slot:
+    if not sheet.problem.has_slot:
         return {}  # whole lines are exact to rounding
     return {"rtol": RTOL if sheet.problem.lower_material is None else PAIR_RTOL}
 
@@ -119,7 +119,7 @@ def arrival_quantity(sheet: Sheet) -> str:
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
     problem = sheet.problem
-    if not isinstance(problem, Scene):
+    if problem.on_line:
         return sheet.level
     if not problem.has_slot:
         return THRESHOLD * Drive(problem).excess

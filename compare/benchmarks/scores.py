@@ -242,9 +242,9 @@ def _relative_error(
 
 def _slot_in_one_solid(sheet: Sheet) -> Scene | None:
     """Return the scene of a sheet if it is one that `validate` takes."""
-    problem = sheet.problem
-    taken = isinstance(problem, Scene) and problem.has_slot and problem.lower_material is None
-    return problem if isinstance(problem, Scene) and taken else None
+    scene = sheet.problem
+    taken = scene.has_slot and not scene.on_line and scene.lower_material is None
+    return scene if taken else None
 
 
 def _unit(sheet: Sheet, name: str) -> float:

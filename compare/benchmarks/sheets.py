@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 from semianalytic import Scene, find
-from semianalytic.interface.files import InterfaceFile, described
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
+from semianalytic.scene.given.files import scene_of_file
+from semianalytic.scene.given.lines import NAMED_LINES
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Distances of the stations from the contact edge, over c_t T."""
@@ -106,24 +106,19 @@ class Sheet:
     @property
     def is_marched(self) -> bool:
         """Whether the answer is that of grids, with stated errors, and not exact."""
-        problem = self.problem
-        return self.is_interface or (
-            isinstance(problem, Scene) and chosen(problem).name == "space-time"
-        )
+        return chosen(self.problem).name == "space-time"
 
     @cached_property
-    def problem(self) -> Scene | InterfaceFile:
-        """The scene or interface; all but the last in `PLAIN` units."""
+    def problem(self) -> Scene:
+        """The scene; all but those on a line in `PLAIN` units."""
         if self.is_interface:
-            return described(tomllib.loads(self.interface), self.name)
-        found: Scene = find(self.name)
-        return found
+            return scene_of_file(tomllib.loads(self.interface), self.name)
+        return find(self.name)
 
     @property
     def end_time(self) -> float:
         """T [time]."""
-        problem = self.problem
-        return float(problem.end_time) if isinstance(problem, InterfaceFile) else 1.0
+        return float(self.problem.run.get("end_time", 1.0))
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -136,10 +131,7 @@ class Sheet:
     @property
     def document(self) -> dict[str, Any]:
         """The problem as plain dictionaries, strings and numbers."""
-        problem = self.problem
-        if isinstance(problem, InterfaceFile):
-            return {"interface": self.interface.strip()}
-        return scene_document(problem)
+        return scene_document(self.problem)
 
     @property
     def file(self) -> str:
@@ -180,7 +172,7 @@ def sheets() -> Mapping[str, Sheet]:
         values["classes"] = {quantity: tuple(row) for quantity, row in bounds}
         values["statement"] = given.get("statement", STATEMENT).format(**phrases)
         interface = given.get("interface", "")
-        values["interface"] = NAMED_INTERFACES.get(interface, interface)
+        values["interface"] = NAMED_LINES.get(interface, interface)
         found[name] = Sheet(name, **values)
     return found
 

@@ -1,4 +1,4 @@
-"""Both answers to a problem, judged: `compare` for scenes and interfaces alike."""
+"""Both answers to a problem, judged: `compare` for all scenes alike."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import Any
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
 from semianalytic.finding import find
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.interface import Interface
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
@@ -18,7 +16,7 @@ __all__ = ["compare"]
 
 
 def compare(
-    problem: Scene | Interface | InterfaceFile | str | PathLike[str],
+    problem: Scene | str | PathLike[str],
     end_time: float | None = None,
     *,
     method: str = "auto",
@@ -29,17 +27,17 @@ def compare(
 
     Parameters
     ----------
-    problem : Scene, Interface, InterfaceFile, str or path
+    problem : Scene, str or path
         The problem, or its name or file as for `find`.
     end_time : float, optional
-        Last time [time]; by default that of the file, or the time a shear wave takes over a length
+        Last time [time]; by default that of the scene, or the time a shear wave takes over a length
         of 1 in the units of the scene.
     method : str
         Method that predicts a scene, as for `solve`.
     budget : float, optional
         Time that the simulation of a scene may take [s]; about a minute by default.
     **settings
-        Settings of `simulate`, such as resolution, or, of an interface, its nodes, mesh_nodes and
+        Settings of `simulate`, such as resolution, or, on a line, nodes, mesh_nodes and
         settings of its run.
 
     Returns
@@ -66,17 +64,15 @@ def compare(
     ('agrees', True)
     """
     found: Any = find(problem) if isinstance(problem, str | PathLike) else problem
-    if isinstance(found, InterfaceFile):
-        end_time = found.end_time if end_time is None else end_time
-        found, settings = found.interface, {**found.options, **settings}
-    if isinstance(found, Interface):
+    if not isinstance(found, Scene):
+        raise SceneError(f"compare: problem must be a Scene, got {shown(found)}.")
+    if found.on_line:
         from compare.comparison.interfaces.comparing import compare_interface
 
-        if end_time is None:
+        given = {**found.run, **settings, **({} if end_time is None else {"end_time": end_time})}
+        if "end_time" not in given:
             raise SceneError("compare: end_time is missing; say until when it is simulated.")
-        return compare_interface(found, end_time, **settings)
-    if not isinstance(found, Scene):
-        raise SceneError(f"compare: problem must be a Scene or an Interface, got {shown(found)}.")
+        return compare_interface(found, **given)
     from fem import simulate, with_companions
 
     if end_time is not None:

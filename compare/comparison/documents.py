@@ -29,7 +29,7 @@ from semianalytic.scene.given.parameters import (
     part_parameters,
 )
 from semianalytic.scene.kinds import HISTORY_FIELDS
-from semianalytic.scene.units import unit
+from semianalytic.scene.units import PARAMETERS, unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
     from semianalytic import Marched, Reading, Solution
@@ -68,6 +68,10 @@ SCENE_DIMENSIONS: Dimensions = {
     "load": _dimensions_of_load,
     **{name: _dimensions_of(name) for name in HISTORY_FIELDS},
     "friction_law": _dimensions_of("law"),
+    "contact": {"intervals": "length"},
+    **{name: PARAMETERS[name] for name in ("period", "rate", "plate_rate", "held")},
+    "adhesion": {"strength": "stress", "length": "length"},
+    "run": {"end_time": "time"},
 }
 END_DIMENSIONS: Dimensions = {
     "time": "time",
@@ -126,7 +130,7 @@ def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     document : dict, list or number
     dimensions : Dimensions, str or callable
         A callable returns them for the scene.
-    scene : Scene or InterfaceFile
+    scene : Scene
         Problem whose units are used.
     """
     if callable(dimensions):
@@ -137,6 +141,8 @@ def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
         return {}
     if isinstance(document, list):
         return units_document(document[0], dimensions, scene) if document else {}
+    if isinstance(document, str):  # a word, or an expression
+        return ""
     return {
         name: units_document(document[name], below, scene)
         for name, below in dimensions.items()

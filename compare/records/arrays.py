@@ -119,7 +119,7 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     check_file_size(path)
     with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
-        fields = file["interface"] if kind.startswith("run of an interface") else file
+        fields = file["interface"] if kind.startswith("run along a line") else file
         sets = {name: one for name, one in fields.items() if isinstance(one, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
         check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))

@@ -21,9 +21,9 @@ from compare.validation.grids import Grids, arranged, profile_spacing
 from compare.validation.norms import Norm, pooled
 from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.units import InSI
 

@@ -13,6 +13,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ from compare.output.files import write_text
 from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
-from semianalytic import InterfaceFile, Run, solve
+from semianalytic import Run, solve
 from semianalytic.scene.given.finding import find_scene
 
 Array = NDArray[np.float64]
@@ -45,21 +46,12 @@ LEAST = 1e-6
 
 def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Run:
     """Run the interface of a sheet on so many nodes, with so many samples for each of its times."""
-    file = sheet.problem
-    assert isinstance(file, InterfaceFile)
+    scene, end = sheet.problem, sheet.end_time
     count = samples * len(sheet.times)
-    times = (file.end_time * np.arange(1, count + 1) / count).tolist()
-    options = {name: file.options[name] for name in ("step_ratio",) if name in file.options}
-    level, end = sheet.level, file.end_time
-    return solve(
-        file.interface,
-        end_time=end,
-        nodes=nodes,
-        times=times,
-        slipping=level,
-        estimate=False,
-        **options,
-    )
+    times = (end * np.arange(1, count + 1) / count).tolist()
+    settings: dict[str, Any] = {"times": times, "slipping": sheet.level, "estimate": False}
+    scene = replace(scene, run={key: scene.run[key] for key in scene.run if key == "step_ratio"})
+    return solve(scene, end_time=end, nodes=nodes, **settings)
 
 
 def sampled(sheet: Sheet, nodes: int) -> Fields:
@@ -96,8 +88,8 @@ def apart(name: str, values: Array, limit: Array) -> float:
 
 def simulated(sheet: Sheet, cells: int) -> Records:
     """Return what our finite elements record at the stations of a sheet on so many cells."""
-    file = sheet.problem
-    if not isinstance(file, InterfaceFile):
+    scene = sheet.problem
+    if not scene.on_line:
         done = simulate(find_scene(sheet.name), 1.0, resolution=cells)
         fields = {name: getattr(done, name) for name in QUANTITIES}
         t = done.interface.t
@@ -105,9 +97,9 @@ def simulated(sheet: Sheet, cells: int) -> Records:
             Record(x, t, {name: one(x, t) for name, one in fields.items()}) for x in sheet.stations
         ]
     else:
-        nodes = round(file.interface.length * cells / sheet.extent)
+        nodes = round(scene.period * cells / sheet.extent)
         samples = SAMPLES * len(sheet.times)
-        line = simulate_line(line_of(file.interface, nodes), file.end_time, samples=samples)
+        line = simulate_line(line_of(scene, nodes), sheet.end_time, samples=samples)
         stations = []
         for x in sheet.stations:
             values = {

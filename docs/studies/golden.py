@@ -15,6 +15,7 @@ import gzip
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +27,9 @@ import semianalytic as sa
 from compare.tasks.workers import run_tasks
 from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.engine.run import Run
-from semianalytic.interface.named import NAMED_INTERFACES, find_interface
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.whole_line.drive import Drive
@@ -169,6 +170,8 @@ def random_line(random: Random) -> sa.Scene:
     return scene
 
 
+TAP: Mapping[str, Any] = {"period": 10.0, "run": {"end_time": 1.0, "nodes": 1024}}
+"""What makes of the scene "tap" one on a line."""
 DRAWS: Mapping[str, tuple[Callable[[Random], Any], int]] = {
     "random scene": (random_scene, SCENES),
     "random march": (random_march, MARCHES),
@@ -216,7 +219,9 @@ def recorded_run(found: Run) -> Answer:
 def labels() -> list[str]:
     """Return what the problems are called: names, and kinds of draws with their numbers."""
     names = [*NAMED_SCENES]
-    names += [f"interface {name}" for name in NAMED_INTERFACES]
+    lines = [*NAMED_LINES]
+    lines.insert(3, "tap")
+    names += [f"interface {name}" for name in lines]
     return names + [f"{kind} {at}" for kind, (_, count) in DRAWS.items() for at in range(count)]
 
 
@@ -226,7 +231,8 @@ def problem_of(label: str) -> Any:
     if kind in DRAWS:
         return drawn(kind, int(last))
     if kind == "interface":
-        return find_interface(last).interface
+        scene = sa.find(last)
+        return scene if scene.on_line else replace(scene, **TAP)
     return sa.find(label)
 
 
@@ -234,9 +240,10 @@ def answered(label: str) -> Answer:
     """Solve, march or run a problem, and return what is compared; what it refuses is recorded."""
     problem = problem_of(label)
     try:
-        if isinstance(problem, sa.Interface):
+        if isinstance(problem, sa.Scene) and problem.on_line:
             name = label.partition(" ")[2]
-            end_time = find_interface(name).end_time * RUN_TIME.get(name, 1.0)
+            end_time = problem.run["end_time"] * RUN_TIME.get(name, 1.0)
+            problem = replace(problem, run={})  # nodes and steps are the same for all
             return recorded_run(sa.solve(problem, end_time=end_time, nodes=RUN_NODES))
         reach, unit = 1.5, 1.0
         settings: dict[str, Any] = {}

@@ -18,8 +18,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from compare.figures.style import BLACK, SMALL, outline
+from docs.studies.lines import scene_along
 from docs.studies.runner import Point, Row, Study, drawn, main
-from semianalytic import Interface, InterfaceLoad, Material, SlipWeakening
+from semianalytic import InterfaceLoad, Material, Scene, SlipWeakening
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import STEP_RATIO
 
@@ -52,7 +53,7 @@ _MARGIN = 4.0
 """Distance [L_c] that waves of the neighbouring period keep from the farthest point."""
 
 
-def rupture(strength: float, half_length: float) -> Interface:
+def rupture(strength: float, half_length: float) -> Scene:
     """Return the interface of a rupture of strength S on a period of two half-lengths [L_c].
 
     Stress drop, c_t and L_c are 1.  The pressure in the nucleus, and with it the strength, is taken
@@ -63,7 +64,7 @@ def rupture(strength: float, half_length: float) -> Interface:
         return np.where(np.abs(x) < min(NUCLEATION_SPEED * t, NUCLEUS), _REST - 1, 0.0)
 
     distance = math.pi * (1 - SOLID.poisson_ratio) / (1 + strength)
-    return Interface(
+    return scene_along(
         SOLID,
         SlipWeakening(static=1 + strength, dynamic=0.0, distance=distance),
         2 * half_length,

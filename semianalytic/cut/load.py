@@ -192,7 +192,7 @@ def _in_unit(
 ) -> Load:
     (base, load), impedance = scene.superposition, scene.material.shear_impedance
     viscosity = scene.law.viscosity if type(scene.law) is Coulomb else 0.0
-    parts = base.pressure / unit, base.shear / unit
+    parts: tuple[float, float] = base.pressure / unit, base.shear / unit
     return Load(
         friction,
         *(_at_friction(friction, *parts, far_slip_rate) if isinstance(friction, float) else parts),

@@ -50,7 +50,7 @@ class EdgeReading:
     >>> import semianalytic as sa
     >>> push, contact = sa.InterfaceLoad(0.1, on="slot"), sa.Contact.half_line()
     >>> solid, law = sa.Material(1.0, 1.0, 0.25), sa.Coulomb(0.5)
-    >>> held = sa.Interface(solid, law, 8.0, loads=[push], contact=contact)
+    >>> held = sa.Scene(solid, law, sa.Tractions(1.0, 0.0), push, contact=contact, period=8.0)
     >>> reading = sa.solve(held, end_time=1.0, nodes=64).beside_edge(0.0)
     >>> reading.distance[:2].round(4), reading.shear_traction[:2].round(3)
     (array([0.1637, 0.2887]), array([0.095, 0.054]))

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.dissimilar.thresholds import stoneley_speed
 from semianalytic.scene.material import Material
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -173,3 +174,9 @@ class BodyPair:
         # The mean and the odd-even wave have no image shifted by a quarter of a wave.
         turned[:, [0, -1]] = 0.0
         return turned
+
+
+def pair_of(scene: Scene) -> BodyPair | None:
+    """Return the two bodies of a scene if they are different ones."""
+    lower = scene.lower_material
+    return None if lower is None else BodyPair(scene.material, lower)

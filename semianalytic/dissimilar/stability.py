@@ -21,8 +21,8 @@ from semianalytic.dissimilar.thresholds import (
     growth_threshold,
     stoneley_speed,
 )
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Material
 
 

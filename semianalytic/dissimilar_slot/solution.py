@@ -23,8 +23,8 @@ from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said

@@ -16,15 +16,15 @@ from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, LEAST_GAP, ZONE_NODES
 from semianalytic.engine.stepping.window import doubt_of
-from semianalytic.interface.fields import at_nodes
-from semianalytic.interface.interface import Interface
 from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.line.fields import at_nodes
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
 
 def estimated(
-    done: Run, half: Callable[[Interface], Run], rtol: float | None, coarser: Tried | None
+    done: Run, half: Callable[[Scene], Run], rtol: float | None, coarser: Tried | None
 ) -> tuple[Run, Tried | None]:
     """Return a run with estimates of its error, and how far runs of half the nodes are from it.
 
@@ -42,17 +42,17 @@ def estimated(
     coarser : Tried, optional
         A run of fewer nodes, from which the order of convergence is seen.
     """
-    interface = done.scene
-    coarse = half(interface)
+    scene = done.scene
+    coarse = half(scene)
     shorter, misplaced = coarse, done.contact_misfit / 2
     if misplaced and not coarse.is_interrupted:
-        contact = interface.contact.shortened(interface.length, done.nodes, done.shift)
-        cut = replace(interface, contact=contact)
+        contact = scene.contact.shortened(scene.period, done.nodes, done.shift)
+        cut = replace(scene, contact=contact)
         shorter = half(cut)
     if coarse.is_interrupted or shorter.is_interrupted:
         status = "interrupted in the estimate of its error: complete, without one"
         return replace(done, status=status), None
-    between = not interface.contact.is_whole
+    between = not scene.contact.is_whole
     touching, known = coarse.interface.touching, done.interface
     if between:
         # a coarse node at the end of a contact may stand for a node of the slot as well
@@ -63,8 +63,8 @@ def estimated(
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
-    spacing = interface.length / done.nodes
-    base = thinned(sampled("run: shear", interface.shear, done.interface.x, spacing)[None])
+    spacing = scene.period / done.nodes
+    base = thinned(sampled("run: shear", scene.base.shear, done.interface.x, spacing)[None])
     beside = wrong_beside_slots(done)
     shares, sizes = dict[str, float](), dict[str, float]()
     names = ["slip", "slip_rate", "shear_traction"]
@@ -103,7 +103,7 @@ def estimated(
     status, name = done.status, deciding(done, errors)
     if status == "done" and missed > largest * (slip + missed):
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
-        needed = in_fours(interface.length * 4.0 / zone)
+        needed = in_fours(scene.period * 4.0 / zone)
         status = (
             f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
             f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
@@ -137,9 +137,9 @@ def unresolved(
         doubt = doubt_of(stepper.pair, stepper.law, pressure, state, fastest, stepper.grid.spacing)
         if doubt:
             return f"unresolved: {doubt}"
-    needed = nodes_for_contact(stepper.interface)
+    needed = nodes_for_contact(stepper.scene)
     if nodes < 0.999 * needed:
-        narrow = stepper.interface.contact.narrowest(stepper.interface.length)
+        narrow = stepper.scene.contact.narrowest(stepper.scene.period)
         return (
             f"unresolved: a contact or slot of width {narrow:.3g} has "
             f"{narrow / stepper.grid.spacing:.2g} nodes; use {in_fours(needed)} nodes or more."
@@ -150,25 +150,25 @@ def unresolved(
         weakening = max(weakening, float(np.max(bonds.strength / bonds.length)))
     if not weakening > 0:
         return "done"
-    bodies = (stepper.interface.material, stepper.interface.lower_material)
+    bodies = (stepper.scene.material, stepper.scene.lower_material)
     zone = min(body.shear_modulus for body in bodies if body is not None) / weakening
     found = zone / stepper.grid.spacing
     if found >= ZONE_NODES:
         return "done"
-    least = in_fours(stepper.interface.length * ZONE_NODES / zone)
+    least = in_fours(stepper.scene.period * ZONE_NODES / zone)
     return (
         f"unresolved: the strength falls over {found:.2g} node distances of "
         f"{stepper.grid.spacing:.3g}; use {least} nodes or more."
     )
 
 
-def too_short(interface: Interface, time: float) -> str:
+def too_short(scene: Scene, time: float) -> str:
     """Return that a period is too short at a time, or nothing.
 
     The contact of a half-line ends where its period does, and waves from there run back.
     """
-    end, speed = interface.length / 2, interface.fastest
-    if not interface.contact.ends_with_period or speed * time <= end:
+    end, speed = scene.period / 2, scene.fastest_speed
+    if not scene.contact.ends_with_period or speed * time <= end:
         return ""
     return (
         f"unresolved: the contact ends with the period, at |x| = {end:.3g}, from where waves reach "
@@ -191,12 +191,10 @@ def wrong_beside_slots(done: Run) -> dict[str, float]:
     Where they are singular, nodes are off there by the same part on any grid, of which the
     difference of two grids shows little (`BESIDE_EDGE_ERROR`).
     """
-    interface, first = done.scene, _beside_slots(done)
-    x, spacing = done.interface.x, interface.length / done.nodes
+    scene, first = done.scene, _beside_slots(done)
+    x, spacing = done.interface.x, scene.period / done.nodes
     base, pressed = (
-        at_nodes(
-            f"interface: {name}", getattr(interface, name), x, done.interface.touching, spacing
-        )[first]
+        at_nodes(name, getattr(scene.base, name), x, done.interface.touching, spacing)[first]
         for name in ("shear", "pressure")
     )
     shear, pressure = done.interface.shear_traction[:, first], done.interface.pressure[:, first]
@@ -217,15 +215,15 @@ def missed_slip(done: Run) -> tuple[float, float]:
     The first node beside an edge may stick on any grid that is too coarse, and slip that is zero on
     two grids does not differ.
     """
-    interface, touching = done.scene, done.interface.touching
-    if not interface.law.has_threshold or touching.all():
+    scene, touching = done.scene, done.interface.touching
+    if not scene.law.has_threshold or touching.all():
         return 0.0, 0.0
     first = np.flatnonzero(_beside_slots(done))
-    spacing, x = interface.length / done.nodes, done.interface.x
-    base = sampled("run: shear", interface.shear, x, spacing)[first]
-    law = interface.law.on(x[touching], spacing)
-    bodies = (interface.material, interface.lower_material or interface.material)
-    plane = [1.0 if interface.mode == "antiplane" else 1 - body.poisson_ratio for body in bodies]
+    spacing, x = scene.period / done.nodes, done.interface.x
+    base = sampled("run: shear", scene.base.shear, x, spacing)[first]
+    law = scene.law.on(x[touching], spacing)
+    bodies = (scene.material, scene.lower_material or scene.material)
+    plane = [1.0 if scene.mode == "antiplane" else 1 - body.poisson_ratio for body in bodies]
     moduli = [body.shear_modulus for body in bodies]
     compliance = sum(share / modulus for share, modulus in zip(plane, moduli, strict=True)) / 2
     place = np.searchsorted(np.flatnonzero(touching), first)

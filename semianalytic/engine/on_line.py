@@ -119,7 +119,7 @@ class LineAnswer(Questions, Gridded):
 
     def _places(self: Any, x: ArrayLike) -> Array:
         """Return places along the nodes; raise SceneError beyond the period or off the contact."""
-        x, half = line_positions(x), self.scene.length / 2
+        x, half = line_positions(x), self.scene.period / 2
         beyond = x[np.abs(x) > half]
         if beyond.size:
             raise SceneError(
@@ -154,7 +154,7 @@ class LineAnswer(Questions, Gridded):
         return np.asarray((1 - on) * values[earlier] + on * values[later])
 
     def _on_parts(self: Any, values: Array, found: Finder[Interval]) -> tuple[Interval, ...]:
-        x, touching, half = self.interface.x, self._on, self.scene.length / 2
+        x, touching, half = self.interface.x, self._on, self.scene.period / 2
         intervals = list[Interval]()
         if self.scene.even:
             own = np.flatnonzero(x > 0)[::-1]

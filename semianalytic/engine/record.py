@@ -165,12 +165,12 @@ def checkpoint(
 
 def fingerprint(stepper: Stepper, latest: float) -> str:
     """Return a digest of everything on the grid that a run depends on until a time [time]."""
-    interface = stepper.interface
-    parts: list[Any] = [interface.material, stepper.grid, interface.plate_rate]
-    parts.append(interface.contact.intervals)  # ends within a cell have the same nodes
+    scene = stepper.scene
+    parts: list[Any] = [scene.material, stepper.grid, scene.plate_rate]
+    parts.append(scene.contact.intervals)  # ends within a cell have the same nodes
     if stepper.pair is not None:
         parts.append(stepper.pair)
-    parts += [interface.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
+    parts += [scene.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
     values: list[Any] = []
     if is_dataclass(stepper.law):
         values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
@@ -182,7 +182,7 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
         stepper.touching,
         *stepper.loads(stepper.shortest),
     ]
-    for load in stepper.interface.loads:
+    for load in stepper.acting:
         laid += [
             load.traction(stepper.grid.x, float(time), of=of)
             for of in ("shear", "pressure")

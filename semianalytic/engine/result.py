@@ -13,22 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
+from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import RunCheckpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
-from semianalytic.interface.interface import Interface
 from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes, dataset
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run of an interface 11"
+FORMAT = "run along a line 12"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -73,7 +74,7 @@ class Run(LineAnswer):
 
     Attributes
     ----------
-    scene : Interface
+    scene : Scene
         The interface that was computed.
     nodes : int
         Nodes of one period.
@@ -96,15 +97,16 @@ class Run(LineAnswer):
 
     Examples
     --------
-    >>> from semianalytic import Coulomb, Interface, InterfaceLoad, Material, solve
-    >>> patch = InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
-    >>> patched = Interface(Material(1.0, 1.0, 0.25), Coulomb(0.5), 8.0, loads=[patch])
-    >>> done = solve(patched, end_time=1.0, nodes=64)
+    >>> import semianalytic as sf
+    >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.5))
+    >>> solid, base = sf.Material(1.0, 1.0, 0.25), sf.Tractions(1.0, 0.0)
+    >>> patched = sf.Scene(solid, 0.5, base, patch, contact=sf.Contact(), period=8.0)
+    >>> done = sf.solve(patched, end_time=1.0, nodes=64)
     >>> done.slip([0.1, 0.2], 1.0).shape, done.status
     ((2,), 'done')
     """
 
-    scene: Interface
+    scene: Scene
     nodes: int
     interface: LineFields
     onset: Array
@@ -135,7 +137,7 @@ class Run(LineAnswer):
     @property
     def contact_misfit(self) -> float:
         """How far the grid has an end of a contact from its place, over the node distance."""
-        return self.scene.contact.misfit(self.scene.length, self.nodes, self.shift)
+        return self.scene.contact.misfit(self.scene.period, self.nodes, self.shift)
 
     @property
     def shift(self) -> float:
@@ -150,13 +152,13 @@ class Run(LineAnswer):
         (`shift`), and displaces those that lie elsewhere still: the error of slip is then that of a
         contact which is longer or shorter.
         """
-        contact, length = self.scene.contact, self.scene.length
-        run_through = self.scene.fastest * self.end_time
+        contact, length = self.scene.contact, self.scene.period
+        run_through = self.scene.fastest_speed * self.end_time
         if contact.ends_with_period and run_through > length / 4:
             free = max(length / 2 - run_through, 0.0)
             return (
                 f"the contact ends with the period, and waves from there have arrived beyond |x| = "
-                f"{free:.3g}; raise `length` to {4 * run_through:.3g}"
+                f"{free:.3g}; raise `period` to {4 * run_through:.3g}"
             )
         misfit = self.contact_misfit
         # Slip of a punch of 102 nodes is off by 0.1 % with ends in their places, by 2, 4 and 12 %
@@ -188,11 +190,11 @@ class Run(LineAnswer):
     @property
     def _weights(self) -> Array:
         """Length of the line for which each node stands, (n,) [length]."""
-        weights = np.full(len(self.interface.x), self.scene.length / self.nodes)
+        weights = np.full(len(self.interface.x), self.scene.period / self.nodes)
         if self.scene.even:
             # Nodes at x = 0 and length / 2 are their own mirror images.
             weights[self.interface.x > 0] *= 2
-            weights[self.interface.x >= self.scene.length / 2] /= 2
+            weights[self.interface.x >= self.scene.period / 2] /= 2
         return weights
 
     @property
@@ -210,7 +212,7 @@ class Run(LineAnswer):
         begun = np.isfinite(self.onset)
         if not begun.any():
             return np.nan
-        x, onset, length = self.interface.x[begun], self.onset[begun], self.scene.length
+        x, onset, length = self.interface.x[begun], self.onset[begun], self.scene.period
         time = float(np.ptp(onset))
         if time == 0:
             return np.nan
@@ -242,7 +244,7 @@ class Run(LineAnswer):
         found = values[..., left] * (1 - share) + values[..., right] * share
         alone = np.where(share == 0, values[..., left], values[..., right])
         found = np.where((share == 0) | (share == 1), alone, found)
-        within = np.abs(given) <= self.scene.length / 2
+        within = np.abs(given) <= self.scene.period / 2
         return np.where(within & self.scene.contact.touches(place), found, np.nan)
 
     @property
@@ -288,11 +290,11 @@ class Run(LineAnswer):
 
         Examples
         --------
-        >>> from semianalytic import Contact, Coulomb, Interface, InterfaceLoad, Material, solve
-        >>> push = InterfaceLoad(0.1, on="slot")
-        >>> contact = Contact([(-2.0, 2.0)])
-        >>> held = Interface(Material(1, 1, 0.25), Coulomb(0.5), 8.0, contact=contact, loads=[push])
-        >>> done = solve(held, end_time=0.5, nodes=128)
+        >>> import semianalytic as sf
+        >>> solid, contact = sf.Material(1, 1, 0.25), sf.Contact([(-2.0, 2.0)])
+        >>> push = sf.InterfaceLoad(0.1, on="slot")
+        >>> held = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
+        >>> done = sf.solve(held, end_time=0.5, nodes=128)
         >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """
@@ -331,11 +333,13 @@ class Run(LineAnswer):
         DataFileError
             If the file cannot be written.
         """
-        write_answer(Path(path), FORMAT, self, compression=4, without=("scene",))
+        write_answer(Path(path), FORMAT, self, compression=4)
 
     @classmethod
-    def load(cls, path: str | PathLike[str], interface: Interface) -> Run:
-        """Read a run that `save` wrote, of a given interface.
+    def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Run:
+        """Read a run that `save` wrote.
+
+        A scene that has functions of Python, which no file can hold, is given.
 
         Raises
         ------
@@ -343,10 +347,14 @@ class Run(LineAnswer):
             If h5py is not installed.
         DataFileError
             If the file is missing, damaged or not a run, or a run on another contact or period.
+        SceneError
+            If the scene has functions of Python and is not given.
         """
+        given: dict[str, Any] = {} if scene is None else {"scene": scene}
         kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"
-        run = read_answer(*kept, scene=interface)
-        laid, touching = grid_of(interface, run.nodes).x, interface.contact.touches(run.interface.x)
+        run = read_answer(*kept, **given)
+        scene = run.scene
+        laid, touching = grid_of(scene, run.nodes).x, scene.contact.touches(run.interface.x)
         known = run.interface
         if not (np.array_equal(known.x, laid) and np.array_equal(touching, known.touching)):
             raise DataFileError(f"{path} is a run of another interface; load it with its own.")
@@ -354,8 +362,8 @@ class Run(LineAnswer):
 
 
 def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
-    known, interface, spacing = run.interface, run.scene, run.scene.length / run.nodes
-    ends = [float(end) for part in interface.contact.intervals for end in part]
+    known, scene, spacing = run.interface, run.scene, run.scene.period / run.nodes
+    ends = [float(end) for part in scene.contact.intervals for end in part]
     near = min(ends, key=lambda end: abs(end - edge))
     if not abs(near - edge) < spacing / 2:
         raise SceneError(
@@ -379,15 +387,15 @@ def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
             f"edge: the contact slips beside x = {near:g} at t = {known.t[frame]:g}, so that "
             "tractions are not those beside a stuck edge; read nodal values."
         )
-    base = sampled("interface: shear", interface.shear, known.x, spacing)[inside]
-    pressed = sampled("interface: pressure", interface.pressure, known.x, spacing)[inside]
+    base = sampled("scene: shear", scene.base.shear, known.x, spacing)[inside]
+    pressed = sampled("scene: pressure", scene.base.pressure, known.x, spacing)[inside]
     shear, gone = (
         known.shear_traction[frame, inside] - base,
         pressed - known.pressure[frame, inside],
     )
     beta = 0.0
-    if interface.pair is not None:
-        beta = interface.pair.sense * interface.pair.kernels.compliance.dundurs
+    if (pair := pair_of(scene)) is not None:
+        beta = pair.sense * pair.kernels.compliance.dundurs
     # x and shear change sign together where the contact lies on the other side
     slot = side * known.slip[frame, outside] + 1j * known.gap[frame, outside]
     distance, traction, depth, motion = read_beside_edge(

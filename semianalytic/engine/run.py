@@ -11,32 +11,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
 from semianalytic.engine.record import Kept, RunRecord, checkpoint, kept_at, resumed
 from semianalytic.engine.result import LineFields, Run
 from semianalytic.engine.stepping.advance import advanced
-from semianalytic.engine.stepping.line import fitting_nodes
+from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.interface import Interface
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], bool | None]
 
 
-def refuses(problem: Interface | InterfaceFile) -> None:
-    """Return None: every interface is run."""
+def refuses(scene: Scene) -> None:
+    """Return None: every scene on a line is marched."""
 
 
 def run(
-    interface: Interface,
+    scene: Scene,
     end_time: float,
     nodes: int | None = None,
     *,
@@ -60,7 +60,7 @@ def run(
 
     Parameters
     ----------
-    interface : Interface
+    scene : Scene
         The interface to compute.
     end_time : float
         Last time [time].
@@ -116,13 +116,15 @@ def run(
     >>> law = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     >>> rock = sf.Material(shear_modulus=30e9, density=2700.0, poisson_ratio=0.25)
     >>> pushed = sf.InterfaceLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
-    >>> fault = sf.Interface(rock, law, length=8.0, pressure=1e6, shear=0.6e6, rate=1e-6,
-    ...                      loads=[pushed])
+    >>> base, everywhere = sf.Tractions(1e6, 0.6e6), sf.Contact()
+    >>> fault = sf.Scene(rock, law, base, pushed, contact=everywhere, period=8.0, rate=1e-6)
     >>> slow = sf.solve(fault, end_time=0.5, nodes=32)
     >>> bool(slow.slip.max() > 2e-6), slow.status
     (True, 'done')
     """
     end_time = checked_size("run: end_time", end_time)
+    scene = with_period(scene, end_time)
+    check_contrast(*scene.bodies, LARGEST_CONTRAST)
     every = checked_count("run: every", every, 1, "a whole number of at least")
     frames = checked_count("run: frames", frames, 2, "a whole number of at least")
     step_ratio = checked_size("run: step_ratio", step_ratio)
@@ -147,19 +149,19 @@ def run(
     options["latest"] = max(latest, end_time)
     if go_on is not None:
         nodes = go_on.nodes if nodes is None else nodes
-    histories = nodes_for_histories(interface, end_time)
+    histories = nodes_for_histories(scene, end_time)
     options["histories"] = histories
-    needed = max(histories, nodes_for_contact(interface))
+    needed = max(histories, nodes_for_contact(scene))
     if nodes is None:
         least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
         # the run with half the nodes, which tells the error, needs ends that fit as well
-        nodes = min(fitting_nodes(interface, least, 1), MOST_NODES)
+        nodes = min(fitting_nodes(scene, least, 1), MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)
     count, coarser = _checked_nodes(nodes), None
     while True:
         with deferred_interrupt() as options["interruption"]:
-            done = _one(interface, end_time, count, options, settings, go_on, progress, check=True)
+            done = _one(scene, end_time, count, options, settings, go_on, progress, check=True)
             tried = None
             if not done.is_interrupted and (estimate or rtol is not None):
                 half = _half(done, end_time, options, settings)
@@ -171,28 +173,26 @@ def run(
             return done
         order = None if coarser is None or tried is None else order_seen(coarser, tried)
         least = in_fours(more_nodes(count, error, rtol, order, MOST_NODES))
-        count, coarser = min(fitting_nodes(interface, least, 1), MOST_NODES), tried
+        count, coarser = min(fitting_nodes(scene, least, 1), MOST_NODES), tried
 
 
 def _half(
     done: Run, end_time: float, options: dict[str, Any], settings: dict[str, Any]
-) -> Callable[[Interface], Run]:
+) -> Callable[[Scene], Run]:
     """Return what runs an interface on half the nodes of a run, at its frames."""
     options = {**options, "times": list(done.interface.t), "shift": done.shift}
     return lambda one: _one(one, end_time, done.nodes // 2, options, settings, None, None)
 
 
-@wraps(run)  # whose parameters are those of an interface; a file has some of them
-def solve(problem: Interface | InterfaceFile, **settings: Any) -> Run:
-    """Run an interface as `run` does, with the settings of its file where others are not given."""
-    if isinstance(problem, InterfaceFile):
-        planned = {"end_time": problem.end_time, **problem.options}
-        if "go_on" in settings:
-            planned.pop("nodes", None)  # which are those of the run that goes on
-        problem, settings = problem.interface, planned | settings
-    if "end_time" not in settings:
-        raise SceneError("solve: an Interface does not say how long it is run; give end_time.")
-    return run(problem, **settings)
+@wraps(run)  # a scene says some of its settings itself
+def solve(scene: Scene, **settings: Any) -> Run:
+    """March a scene as `run` does, with its own settings where others are not given."""
+    own = dict(scene.run)
+    if "go_on" in settings:
+        own.pop("nodes", None)  # which are those of the run that goes on
+    if "end_time" not in (settings := own | settings):
+        raise SceneError("solve: the scene does not say how long it is marched; give end_time.")
+    return run(scene, **settings)
 
 
 def _checked_settings(settings: dict[str, Any]) -> dict[str, Any]:
@@ -202,7 +202,7 @@ def _checked_settings(settings: dict[str, Any]) -> dict[str, Any]:
         if name not in known:
             others = [*list(inspect.signature(run).parameters)[1:-1], *known]
             raise SceneError(
-                f"solve: {name} is no setting of space-time for an Interface, which knows "
+                f"solve: {name} is no setting of space-time for a scene on a line, which knows "
                 f"{', '.join(others)}."
             )
         if name == "sweeps":
@@ -223,7 +223,7 @@ def _checked_nodes(nodes: int) -> int:
 
 
 def _one(
-    interface: Interface,
+    scene: Scene,
     end_time: float,
     nodes: int,
     options: dict[str, Any],
@@ -238,7 +238,7 @@ def _one(
     """
     latest = options["latest"] if go_on is None else max(go_on.checkpoint.latest, end_time)
     ratio, shift = options["step_ratio"], options["shift"]
-    stepper = Stepper(interface, nodes, ratio, end_time=latest, shift=shift, **settings)
+    stepper = Stepper(scene, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
         stepper.check_sliding()
         stepper.ladder.check_longest()
@@ -254,10 +254,10 @@ def _one(
         record.begin(now)
     else:
         now = resumed(stepper, record, go_on, end_time)
-        if now.time in interface.jumps and now.time == go_on.end_time:
+        if now.time in scene.jumps and now.time == go_on.end_time:
             # the earlier run ended with the values before the jump
             now = stepper.jump(now)
-    stops = [at for at in interface.jumps if now.time < at < end_time] + [end_time]
+    stops = [at for at in scene.jumps if now.time < at < end_time] + [end_time]
 
     def asked(time: float) -> bool:
         told = progress is not None and progress(time, end_time)
@@ -283,13 +283,13 @@ def _one(
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
-    status = too_short(interface, now.time) or unresolved(
+    status = too_short(scene, now.time) or unresolved(
         stepper, most, now.state, max(record.peak_rates), options["histories"]
     )
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
     return Run(
-        scene=interface,
+        scene=scene,
         nodes=nodes,
         interface=LineFields(
             stepper.grid.x,

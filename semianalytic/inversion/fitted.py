@@ -13,8 +13,8 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.in_words import html_table
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 

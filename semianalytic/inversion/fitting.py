@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,22 +17,17 @@ from semianalytic.inversion.search import ROUNDS, minima, refine
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.inversion.verdict import covariance_of, verdict
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.arguments import checking
-from semianalytic.scene.given.finding import scene_of_one_solid
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.finding import described_scene, scene_of_one_solid
 from semianalytic.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from semianalytic.interface.files import InterfaceFile
-    from semianalytic.interface.interface import Interface
 
 
 @checking
 def fit(
     gauges: Sequence[Gauge],
-    scene: Scene | Interface | InterfaceFile | str | PathLike[str],
+    scene: Scene | str | PathLike[str],
     parameters: str | Sequence[str],
     *,
     priors: Mapping[str, Prior] | None = None,
@@ -42,7 +36,7 @@ def fit(
     nodes: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Fit:
-    """Fit parameters of a scene or interface, and of the set-up, to records by least squares.
+    """Fit parameters of a scene, and of the set-up, to records by least squares.
 
     docs/inversion.md describes the method.
 
@@ -50,22 +44,22 @@ def fit(
     ----------
     gauges : sequence of Gauge
         Records, each with its noise.
-    scene : Scene, Interface, InterfaceFile, str or path
+    scene : Scene, str or path
         Values of all parameters that are not fitted, and a first guess of those that are; or the
-        name or file of a scene or an interface as for `find`.
+        name or file of a scene as for `find`.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
-        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.  Those of an interface
-        go by their places in a file, such as "law.distance" (docs/engine.md).
+        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.  On a line any number
+        goes by its place in a file, such as "friction_law.distance" (docs/engine.md).
     priors : mapping from names to Normal, LogNormal or Uniform, optional
         Prior knowledge of parameters; it also tells the search where to look.
     setup : Setup, optional
         Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
-        Accuracy of the solutions, as in `solve`; interfaces have `nodes`.
+        Accuracy of the solutions, as in `solve`; scenes on a line have `nodes`.
     nodes : int, optional
-        Nodes of an interface, those of its file, or 512, by default.
+        Nodes of a scene on a line, its own ones, or 512, by default.
     progress : callable, optional
         Called as ``progress(done, total)`` with the number of times that the gauges were computed
         and how often the search will compute them at most, which is revised on the way.
@@ -162,24 +156,18 @@ def _trials(
     """Return the trials of a fit, after checking what was asked."""
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
-    if not isinstance(given, Scene) and given not in NAMED_SCENES:
+    found = described_scene(given) if isinstance(given, str | PathLike) else given
+    if isinstance(found, Scene) and found.on_line:
         # here, for fits of scenes are to be quick to import
-        from semianalytic.interface.named import described_interface
+        from semianalytic.inversion.on_line import line_trials, number_name, plain_name
 
-        if (described := described_interface(given)) is not None:
-            from semianalytic.inversion.interfaces import (
-                interface_name,
-                interface_trials,
-                plain_name,
-            )
-
-            names = tuple(interface_name(described.interface, name) for name in names)
-            priors = {plain_name(name): prior for name, prior in priors.items()}
-            _check_priors(gauges, names, priors)
-            return interface_trials(gauges, described, names, priors, setup, nodes)
+        names = tuple(number_name(found, name) for name in names)
+        priors = {plain_name(name): prior for name, prior in priors.items()}
+        _check_priors(gauges, names, priors)
+        return line_trials(gauges, found, names, priors, setup, nodes)
     if nodes is not None:
         raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
-    scene = scene_of_one_solid("fit", given)
+    scene = scene_of_one_solid("fit", found)
     # All that can be refused is refused before the first solution is computed.
     _check(gauges, scene, names, priors)
     samples = Samples(gauges)

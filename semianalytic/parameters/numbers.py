@@ -16,18 +16,13 @@ from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.law import Law, coefficient_field, reduction_of
 from semianalytic.scene.laws.weakening import RateWeakening, SlipWeakening
+from semianalytic.scene.line.fields import Scaled
+from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import PARAMETERS
 
-_OWN: Mapping[str, str] = {
-    "length": "length",
-    "held": "length",
-    "pressure": "stress",
-    "shear": "stress",
-    "rate": "length / time",
-    "plate_rate": "length / time",
-}
-"""Dimensions of the numbers of an interface itself."""
+_OF_LINE = ("period", "held", "rate", "plate_rate")
+"""Numbers of a scene on a line itself."""
 _ADHESION: Mapping[str, str] = {"strength": "stress", "length": "length"}
 """Dimensions of the numbers of adhesion."""
 _PARTS: Mapping[str, str] = {
@@ -66,8 +61,8 @@ def spelled(given: str) -> str:
     return name.replace("lower_material_", "lower_")
 
 
-def numbers_of(problem: Any) -> dict[str, Number]:
-    """Return all numbers of a scene or an interface by name.
+def numbers_of(scene: Any) -> dict[str, Number]:
+    """Return all numbers of a scene by name.
 
     A field that is a function, an expression or a table has the number NAME_factor, by which it is
     multiplied; numbers that an expression names are numbers of their own.  Constant friction has a
@@ -81,46 +76,42 @@ def numbers_of(problem: Any) -> dict[str, Number]:
     >>> scene.friction, scene.base.pressure, numbers_of(scene)["base_pressure"].dimension
     (0.2, 2.0, 'stress')
     """
-    problem = getattr(problem, "interface", problem)
-    found: dict[str, Number] = {}
-    if not hasattr(problem, "contact"):
-        _add_scene(found, problem)
-        return found
-    for name in _OWN:
-        _add_field(found, name, _OWN[name], getattr(problem, name), (name,))
-    for solid, prefix in (("material", ""), ("lower_material", "lower_")):
-        if getattr(problem, solid) is not None:
-            _add_numbers(found, prefix, getattr(problem, solid), (solid,), PARAMETERS)
-    _add_numbers(found, "law_", problem.law, ("law",), PARAMETERS)
-    _add_numbers(found, "adhesion_", problem.adhesion, ("adhesion",), _ADHESION)
-    for number, load in enumerate(problem.loads):
-        prefix = "load_" if len(problem.loads) == 1 else f"load_{number + 1}_"
-        _add_load(found, prefix, load, ("loads", number))
-    for name, parameter in _ends(problem.contact, problem.even):
-        found[name] = parameter
-    return found
-
-
-def _add_scene(found: dict[str, Number], scene: Any) -> None:
-    """Add the numbers of a scene; those of a lower body are known of any."""
-    law, of_law = scene.law, dict[str, Number]()
+    law, of_law, found = scene.law, dict[str, Number](), dict[str, Number]()
     own = coefficient_field(type(law))
-    if own is not None:
+    if own is not None and finite(getattr(law, own)) is None:
+        _add_field(found, "friction", "1", getattr(law, own), ("law", own))
+    elif own is not None:
         _add_field(found, "friction", "1", scene.coefficient, ("law", "coefficient"))
     for part, prefix in _PARTS.items():
+        if part == "lower_material" and scene.on_line and scene.lower_material is None:
+            continue
         held = scene.bodies[1] if part == "lower_material" else getattr(scene, part)
         prefix = "wave_" if isinstance(held, IncidentWave) else prefix
-        _add_numbers(found, prefix, held, (part,), PARAMETERS)
+        if isinstance(held, tuple):
+            for at, load in enumerate(held):
+                _add_load(found, f"{prefix}{at + 1}_", load, (part, at))
+        else:
+            _add_load(found, prefix, held, (part,))
     if "wave_angle" in found:
         found["angle"] = found.pop("wave_angle")
     _add_numbers(of_law, "", law, ("law",), PARAMETERS)
-    if "dynamic" in of_law:
+    if {"static", "dynamic"} <= of_law.keys():
         _add_field(of_law, "reduction", "1", reduction_of(law), ("law", "reduction"))
-    # a scene knows no delays, and names the cohesion of a law that has one
+    # scenes beside a slot know no delays, and name the cohesion of a law that has one
     for name, number in of_law.items():
-        if name not in (own, "delay", "delay_slip") and (name != "cohesion" or number.value):
-            film = name == "viscosity" and isinstance(law, Coulomb)
-            found[name if film else f"friction_law_{name}"] = number
+        if name.removesuffix("_factor") == own or (
+            not scene.on_line
+            and (name in ("delay", "delay_slip") or (name == "cohesion" and not number.value))
+        ):
+            continue
+        film = name == "viscosity" and isinstance(law, Coulomb)
+        found[name if film else f"friction_law_{name}"] = number
+    if scene.on_line:
+        for name in _OF_LINE:
+            _add_field(found, name, PARAMETERS[name], getattr(scene, name), (name,))
+        _add_numbers(found, "adhesion_", scene.adhesion, ("adhesion",), _ADHESION)
+        found |= dict(_ends(scene.contact, scene.even))
+    return found
 
 
 def _add_field(found: dict[str, Number], name: str, dimension: str, value: Any, path: Path) -> None:
@@ -152,21 +143,18 @@ def _add_numbers(
 
 
 def _add_load(found: dict[str, Number], prefix: str, load: Any, path: Path) -> None:
-    """Add the numbers of a load, and of its front and history."""
+    """Add the numbers of a part of a scene; of a load along x also those of front and history."""
+    if not isinstance(load, InterfaceLoad | FrontLoad):
+        _add_numbers(found, prefix, load, path, PARAMETERS)
+        return
     for one in fields(load):
         value, name = getattr(load, one.name), f"{prefix}{one.name}"
-        if one.name in ("front", "history"):
+        if one.name in ("front", "history") and is_dataclass(value):
             inner = prefix if one.name == "front" else f"{name}_"
-            if is_dataclass(value):
-                _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
-            elif callable(value):
-                _add_field(found, name, "1", value, (*path, one.name))
+            _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
         # Without a history the load is one expression of x and t, which has no number beside it.
-        elif callable(value) or getattr(load, "history", load) is not None:
-            _add_field(found, name, _LOAD.get(one.name, "1"), value, (*path, one.name))
-
-
-_LOAD: Mapping[str, str] = {"shear": "stress", "pressure": "stress", "at": "length"}
+        elif callable(value) or load.history is not None:
+            _add_field(found, name, PARAMETERS.get(one.name, "1"), value, (*path, one.name))
 
 
 def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
@@ -193,7 +181,7 @@ def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
 
 
 def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) -> Problem:
-    """Return a scene or an interface with other values of some of `numbers_of`.
+    """Return a scene with other values of some of `numbers_of`.
 
     All are replaced at once, and with them whole `parts` by name, for one change after the other
     might pass through a scene that does not exist.  A friction coefficient takes the dynamic
@@ -208,8 +196,6 @@ def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) ->
     changes = {
         path: sign * value for name, value in values.items() for path, sign in known[name].targets
     }
-    if hasattr(problem, "interface"):
-        changes = {("interface", *path): value for path, value in changes.items()}
     changes |= {(name,): part for name, part in parts.items()}
     changed: Problem = _changed(problem, changes) if changes else problem
     return changed
@@ -222,8 +208,6 @@ def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
         return changes[()]
     # Fields are functions: their numbers are a common factor and those that an expression names.
     if callable(part) and not isinstance(part, type):
-        from semianalytic.interface.fields import Scaled  # scenes have numbers alone
-
         factor = {path[0]: value for path, value in changes.items()}.pop("factor", None)
         named = {path[0]: value for path, value in changes.items() if path[0] != "factor"}
         if isinstance(part, Scaled):

@@ -75,7 +75,7 @@ from semianalytic.reference.published import (
 from semianalytic.reference.static_zone import StaticZone, static_zone
 from semianalytic.reference.viscous_zone import viscous_edge_speed, viscous_slip_rate
 from semianalytic.reference.weertman import WeertmanPulse, weertman_pulse
-from semianalytic.scene.given.arguments import checking_functions
+from semianalytic.scene.arguments import checking_functions
 
 __all__ = [
     "ARTICLE_POISSON_RATIO",

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.material import Material
 
 

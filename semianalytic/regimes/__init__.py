@@ -51,7 +51,7 @@ from semianalytic.regimes.viscous import (
     viscous_closing,
     viscous_nucleation,
 )
-from semianalytic.scene.given.arguments import checking_functions
+from semianalytic.scene.arguments import checking_functions
 
 __all__ = [
     "Loading",

@@ -18,8 +18,8 @@ from semianalytic.results.answer import (
 )
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.units import unit
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from semianalytic.results.datasets import dataset
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 
 FORMAT = "slipfront interface history 2"
 

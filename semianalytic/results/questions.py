@@ -18,9 +18,9 @@ from semianalytic.results.intervals import (
     slip_intervals,
 )
 from semianalytic.results.places import finite_times
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 
 Array = NDArray[np.float64]
 Interval = TypeVar("Interval", SlipInterval, OpenInterval)

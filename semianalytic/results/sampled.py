@@ -25,8 +25,8 @@ from semianalytic.results.questions import (
     onsets,
 )
 from semianalytic.results.reading import Reading, sampled_reading
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

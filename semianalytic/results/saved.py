@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
@@ -24,7 +23,6 @@ def write_answer(
     answer: Any,
     *,
     compression: int | None = None,
-    without: Collection[str] = (),
 ) -> None:
     """Write an answer to a file that appears under its name only when it is complete.
 
@@ -38,8 +36,6 @@ def write_answer(
         Its arrays become datasets and its dataclasses groups; all else becomes JSON in attributes.
     compression : int, optional
         Level of gzip.
-    without : collection of str
-        Fields that are not written.
 
     Raises
     ------
@@ -50,7 +46,7 @@ def write_answer(
     """
     with whole_hdf5(path) as file:
         file.attrs["format"] = kind
-        _write(file, answer, compression, without)
+        _write(file, answer, compression)
 
 
 def read_answer(
@@ -105,11 +101,9 @@ def kind_of_file(path: str | Path) -> str:
         raise DataFileError(f"{path} cannot be read as an answer ({error}).") from error
 
 
-def _write(group: Any, whole: Any, compression: int | None, without: Collection[str] = ()) -> None:
+def _write(group: Any, whole: Any, compression: int | None) -> None:
     for field in fields(whole):
         name, value = field.name, getattr(whole, field.name)
-        if name in without:
-            continue
         if isinstance(value, np.ndarray):
             group.create_dataset(name, data=value, compression=compression if value.size else None)
         elif is_dataclass(value) and not isinstance(value, Scene):
@@ -123,6 +117,8 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
     values, kinds = dict(known), get_type_hints(make)
     for field in fields(make):  # type: ignore[arg-type]
         name, kind = field.name, kinds[field.name]
+        if name in known:
+            continue
         if name in group.attrs:
             value = json.loads(group.attrs[name])
             values[name] = scene_from_document(value) if kind is Scene else value

@@ -12,7 +12,7 @@ a front t = p x of slowness p (`Scene.front_slowness`, semianalytic/scene/incide
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from semianalytic.scene.checks import check_fields, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
@@ -27,19 +27,20 @@ LOADED = (SLOT, REMOTE)
 @with_quantities
 @dataclass(frozen=True)
 class Tractions:
-    """A uniform pair of tractions [stress]: pressure (positive in compression) and shear.
+    """A pair of tractions [stress]: pressure (positive in compression) and shear.
 
     Parameters
     ----------
-    pressure : float
-        Contact pressure, positive in compression [stress].
-    shear : float
+    pressure : float or field
+        Contact pressure, positive in compression [stress]; a number, or a function of x or a
+        `Table`, which a march alone takes.
+    shear : float or field
         Shear traction sigma_xy on y = 0, sigma_yz in antiplane shear [stress].
 
     Raises
     ------
     SceneError
-        If one is not a finite number.
+        If one is neither a finite number nor a function.
 
     Examples
     --------
@@ -48,11 +49,12 @@ class Tractions:
     Tractions(pressure=5000000.0, shear=1000000.0)
     """
 
-    pressure: float
-    shear: float
+    pressure: Any
+    shear: Any
 
     def __post_init__(self) -> None:
-        check_fields(self, "tractions", ("pressure", "shear"))
+        numbers = [name for name in ("pressure", "shear") if not callable(getattr(self, name))]
+        check_fields(self, "tractions", numbers)
 
     def plus(self, other: Tractions) -> Tractions:
         """Return the sum of two pairs of tractions."""

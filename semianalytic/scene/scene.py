@@ -10,22 +10,26 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import NoneType
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 from semianalytic.scene.laws.alike import expression
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.kinds import LAW_KINDS, checked_friction
 from semianalytic.scene.laws.law import Law, check_balance, check_law
+from semianalytic.scene.line.along import HALF_LINE, WHOLE_LINE, AlongLine
+from semianalytic.scene.line.contact import Adhesion, Contact
+from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loading import (
     LOADED,
     REMOTE,
@@ -50,10 +54,18 @@ MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
 
 
+_LOADS = (Tractions, IncidentWave, MovingLoad, LineLoad, InterfaceLoad, FrontLoad, tuple)
+
+
 @with_quantities
 @dataclass(frozen=True)
-class Scene:
+class Scene(AlongLine):
     """Two half-planes in frictional contact, with base tractions and a load.
+
+    Bodies touch on x > 0, beside an open slot x < 0, unless `contact` says otherwise.  Contacts,
+    fields that vary along x, several loads and laws with a state are marched along a line, which
+    `period`, `rate`, `plate_rate`, `held`, `even`, `adhesion` and `run` are for.  A field is a
+    number, a function of x, or a `Table`.
 
     Parameters
     ----------
@@ -61,14 +73,15 @@ class Scene:
         Solid on both sides of the interface, or that of the upper body, y > 0.
     friction : float or Law
         Coulomb friction coefficient f >= 0, or a law: `Coulomb` with a viscosity or cohesion,
-        `RateWeakening`, `SlipWeakening`, or a class of your own.  Coulomb's law of a coefficient
-        alone is stored as that number.
+        `RateWeakening`, `SlipWeakening`, `RateAndState`, or a class of your own.  Coulomb's law of
+        a coefficient alone is stored as that number.
     base : Tractions
-        Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
+        Tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
     load : Tractions, IncidentWave, MovingLoad, Patch, PointForce, HalfLine or GrowingLoad
         Load (P_0, Q_0) [stress]; `load_on` says where tractions act.  Or a plane wave that arrives
         at an angle, or tractions that move over the slot, or that grow.  A patch, a point force and
-        a half-line load bodies that touch along the whole line, without a slot.
+        a half-line load bodies that touch along the whole line, without a slot.  On a line also an
+        `InterfaceLoad`, a `FrontLoad`, or a sequence of loads.  None by default.
     pressure_history, shear_history : LoadHistory
         Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
     mode : str
@@ -85,6 +98,25 @@ class Scene:
         SI and the scene says so.
     lower_material : Material, optional
         Solid of the lower body, y < 0, if it is another one; None if both bodies are equal.
+    contact : Contact
+        Where the bodies touch: x > 0 by default.
+    period : float
+        Period of the line [length], from -period/2 to period/2; waves leave one end and enter the
+        other.  By default it is so long that none comes back within the time of the march.
+    rate : field
+        Slip rate at t = 0 [length / time], at which a law with a state carries the base shear.
+    plate_rate : float
+        Slip rate of the bodies far away [length / time]; the memory acts on the difference.
+    held : float
+        Wavelength [length] of the slip whose stiffness resists the mean slip.  With inf no
+        stiffness does, and the mean slip only radiates.
+    even : bool
+        Whether everything is even in x, so that only x > 0 is computed.
+    adhesion : Adhesion, optional
+        Tension that the contact carries before it opens; none by default.
+    run : mapping
+        Settings of the march along the line, such as end_time and nodes, where others are not
+        given to `solve`.  Scenes that differ only in them compare as equal.
 
     Raises
     ------
@@ -112,23 +144,36 @@ class Scene:
     material: Material
     friction: float | Law
     base: Tractions
-    load: Load
+    load: Any = Tractions(0.0, 0.0)  # noqa: RUF009
     pressure_history: LoadHistory = field(default_factory=Step)
     shear_history: LoadHistory = field(default_factory=Step)
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
     lower_material: Material | None = None
+    contact: Contact = HALF_LINE
+    period: float = math.inf
+    rate: Any = 0.0
+    plate_rate: float = 0.0
+    held: float = math.inf
+    even: bool = False
+    adhesion: Adhesion | None = None
+    run: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.load, list | tuple):
+            object.__setattr__(self, "load", tuple(self.load))
         for name, kinds in (
             ("material", (Material,)),
             ("base", (Tractions,)),
-            ("load", (Tractions, IncidentWave, MovingLoad, LineLoad)),
+            ("load", _LOADS),
             ("lower_material", (Material, NoneType)),
+            ("contact", (Contact,)),
+            ("run", (Mapping,)),
         ):
             if not isinstance(getattr(self, name), kinds):
                 known = " or ".join(kind.__name__ for kind in kinds if kind is not NoneType)
+                known = known.replace("tuple", "a sequence of them")
                 raise SceneError(
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
@@ -159,6 +204,11 @@ class Scene:
             object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
+        if isinstance(self.load, WITHOUT_SLOT) and self.contact == HALF_LINE:
+            object.__setattr__(self, "contact", WHOLE_LINE)
+        if self.on_line:
+            self._check_line()
+            return
         if self.base.pressure < 0:
             raise SceneError(
                 "scene: base pressure must not be negative (compression is positive), "
@@ -315,7 +365,11 @@ class Scene:
 
     @property
     def has_slot(self) -> bool:
-        """Whether x < 0 is an open slot; a patch, a point force or a half-line has none."""
+        """Whether there is an open slot; a patch, a point force or a half-line has none."""
+        return not self.contact.is_whole
+
+    @property
+    def _has_usual_slot(self) -> bool:
         return not isinstance(self.load, WITHOUT_SLOT)
 
     @property
@@ -356,7 +410,7 @@ class Scene:
     @property
     def shears_alone(self) -> bool:
         """Whether only antiplane shear waves run: nothing presses the slot."""
-        return self.antiplane and not self.superposition.taken_off.pressure
+        return self.antiplane and bool(self.on_line or not self.superposition.taken_off.pressure)
 
     @property
     def acting_histories(self) -> dict[str, LoadHistory]:

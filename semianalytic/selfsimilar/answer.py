@@ -14,8 +14,8 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number
-from semianalytic.scene.given.arguments import asked_in_units
 
 if TYPE_CHECKING:
     from semianalytic.scene.scene import Material

@@ -17,9 +17,9 @@ from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer

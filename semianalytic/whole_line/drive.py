@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.line.contact import Contact
 from semianalytic.scene.loading import LineLoad, PointForce, Tractions
 from semianalytic.scene.scene import Scene
 
@@ -157,4 +158,4 @@ def slot_scene(drive: Drive) -> Scene:
     # Slip takes the shear from base plus load down to the strength: this fall radiates.
     drop = drive.excess - drive.missing
     load = Tractions(-drop, 0.0) if drive.opens else Tractions(0.0, drive.sense * drop)
-    return replace(drive.scene, load=load)
+    return replace(drive.scene, load=load, contact=Contact.half_line())

@@ -12,8 +12,8 @@ from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
 from semianalytic.results.places import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.loading import GrowingLoad
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer

@@ -13,7 +13,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
-from semianalytic.scene.given.arguments import asked_in_units
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.loading import Patch, PointForce
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer

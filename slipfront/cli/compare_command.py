@@ -19,14 +19,13 @@ from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
 from semianalytic import Marched, Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.finding import find
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import (
-    INTERFACE,
     find_scene,
-    kind_of,
     scene_folder,
     scene_label,
 )
@@ -85,10 +84,10 @@ def compare_command(
         bool, typer.Option("--all", help="Print the rows that agree, too.")
     ] = False,
     nodes: Annotated[
-        int | None, typer.Option(help="Nodes of one period of an interface, a multiple of 4.")
+        int | None, typer.Option(help="Nodes of the period of a line, a multiple of 4.")
     ] = None,
     mesh_nodes: Annotated[
-        int | None, typer.Option(help="Nodes of the finest mesh along an interface.")
+        int | None, typer.Option(help="Nodes of the finest mesh along a line.")
     ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -96,24 +95,25 @@ def compare_command(
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
     The lower body is that of the file's [lower_material], or is like the upper one but for the
-    numbers that are given.  An interface is marched and simulated on three meshes.
+    numbers that are given.  A scene on a line is marched and simulated on three meshes.
 
     The exit code is 0 if no quantity differs by more than the error bars allow, 1 if one does, and
     4 if the prediction has not converged.  Quantities that this mesh cannot resolve are listed.
     """
     along = {name: n for name, n in (("nodes", nodes), ("mesh_nodes", mesh_nodes)) if n is not None}
-    if scene_name is not None and kind_of(scene_name) == INTERFACE:
+    if scene_name is not None and (found := find(scene_name)).on_line:
         from slipfront.cli.interfaces import compare_interfaces
 
-        scenes = {**overrides, **lower, "from": from_, "budget": budget}
-        reason = f"is for scenes; leave it out for {scene_name}"
+        scenes = {"from": from_, "budget": budget}
+        reason = f"is for scenes with a slot; leave it out for {scene_name}"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
         given = {name: n for name, n in settings.items() if name == "end_time"}
         given |= {name: n for name, n in along.items() if name == "nodes"}
         shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
-        compare_interfaces(scene_name, given, mesh_nodes, output, **shown)
+        found = override_scene(found, **overrides, **lower)
+        compare_interfaces(found, scene_name, given, mesh_nodes, output, **shown)
         return
-    refuse_given(along, "is for interfaces; scenes take --resolution")
+    refuse_given(along, "is for scenes on a line; this one takes --resolution")
     require("slipfront compare", *FEM, *PLOT)
     seconds, snapshots = in_seconds(budget), not no_snapshots
     prediction: Solution | PairSolution | Marched | None = None

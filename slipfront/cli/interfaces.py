@@ -1,9 +1,9 @@
-"""``slipfront solve`` and ``slipfront compare`` of interfaces."""
+"""``slipfront solve`` and ``slipfront compare`` of scenes on a line."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -17,22 +17,19 @@ from compare.output.leftovers import REPORT
 from compare.output.places import check_file, save_somewhere
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
-from semianalytic import InterfaceFile, Run, find, solve
+from semianalytic import Run, Scene, solve
 from semianalytic.results.files import write_bytes
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.extras import FEM, HDF5, XARRAY, require
-from semianalytic.scene.units import InSI
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.terminal import print_json, print_judgement
-
-if TYPE_CHECKING:
-    pass
 
 _SHARES = 1000
 """Parts of the end time that the progress bar counts."""
 
 
 def solve_interface(
+    scene: Scene,
     source: str,
     settings: dict[str, Any],
     save: Path | None = None,
@@ -41,26 +38,25 @@ def solve_interface(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """March an interface with settings of `solve`, save the run, and print it.
+    """March a scene with settings of `solve`, save the run, and print it.
 
     Raises
     ------
     ComputationError
         If the run is unresolved; it is printed before.
     """
-    found = _found(source, settings)
     if save is not None:
         check_file(save)
         needed = ("a NetCDF file", *XARRAY) if save.suffix == ".nc" else ("a saved run", *HDF5)
         require(*needed)
     if go_on is not None:
-        settings["go_on"] = Run.load(go_on, found.interface)
+        settings["go_on"] = Run.load(go_on, scene)
     with progress_bar(Console(stderr=True), quiet or as_json, "marching") as show:
 
         def progress(time: float, last: float) -> None:
             show(int(_SHARES * time / last), _SHARES)
 
-        done = solve(found, **settings, progress=progress)
+        done = solve(scene, **settings, progress=progress)
     if save is not None and save.suffix == ".nc":
         # In memory first, for HDF5 files are spoiled if the disk becomes full.
         content = done.to_xarray().to_netcdf(engine="h5netcdf")
@@ -79,6 +75,7 @@ def solve_interface(
 
 
 def compare_interfaces(
+    scene: Scene,
     source: str,
     settings: dict[str, Any],
     mesh_nodes: int | None,
@@ -88,7 +85,7 @@ def compare_interfaces(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """March and simulate an interface with settings of `compare`, and judge both.
+    """March and simulate a scene with settings of `compare`, and judge both.
 
     All rows are written to a folder if one is given.
 
@@ -97,12 +94,11 @@ def compare_interfaces(
     ComputationError
         If the run is unresolved; it is printed before.
     """
-    found = _found(source, settings)
     require("slipfront compare", *FEM)
     from compare.comparison.comparing import compare
 
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
-        judgement = compare(found, **settings, mesh_nodes=mesh_nodes, progress=show)
+        judgement = compare(scene, **settings, mesh_nodes=mesh_nodes, progress=show)
     case: Any = judgement.case
     done = case.run
     meshes = [
@@ -128,16 +124,6 @@ def compare_interfaces(
     if judgement.verdict == DIFFERS:
         raise typer.Exit(1)
     _end(done, source)
-
-
-def _found(source: str, settings: dict[str, Any]) -> InterfaceFile:
-    if isinstance(settings.get("end_time"), InSI):
-        raise SceneError(
-            "--end-time has a unit, but interfaces do not say which units their numbers have; "
-            "give a number alone."
-        )
-    found: InterfaceFile = find(source)
-    return found
 
 
 def _end(done: Run, source: str) -> None:

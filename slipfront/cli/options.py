@@ -18,7 +18,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.tables.units import si_size
-from semianalytic.scene.units import PARAMETERS, SI, InSI, measure
+from semianalytic.scene.units import PARAMETERS, SI, measure
 from slipfront.cli.scenes.completion import LOADED, MESH_NAMES, METHODS, MODES, one_of, scene_names
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
@@ -81,7 +81,7 @@ Method = Annotated[
 
 
 class HasUnits(Protocol):
-    """A scene or interface, of which only the units matter."""
+    """A scene, of which only the units matter."""
 
     @property
     def units(self) -> str:
@@ -119,11 +119,6 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
     SceneError
         If it was given with a unit, and the scene does not say its own.
     """
-    if isinstance(value, InSI) and hasattr(scene, "interface") and dimension != "1":
-        raise SceneError(
-            f"{option_name(name)} has a unit, but interfaces do not say which units their numbers "
-            "have; give a number alone."
-        )
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
 
@@ -261,7 +256,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "no_estimate": (bool, "Skip the second march, on half the nodes, that gives the error."),
-        "save": (Path, "File to save the march to: .h5, or of an interface .nc for NetCDF."),
+        "save": (Path, "File to save the march to: .h5, or on a line .nc for NetCDF."),
         "go_on": (Path, "File of a saved march to continue."),
     }.items()
 }

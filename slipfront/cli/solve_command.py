@@ -17,7 +17,7 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.finding import INTERFACE, described_scene, kind_of, scene_label
+from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.loading import HalfLine
 from slipfront.cli import terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
@@ -103,22 +103,22 @@ def solve_command(
     but for the numbers that are given.  The exit code is 4 if the solution has not converged, or a
     march is unresolved or misses --rtol; the best answer is printed all the same.
     """
-    label, kind = scene_label(scene_name), kind_of(scene_name)
-    points = {"x": x, "t": t}
-    if kind == INTERFACE:
+    label, problem = scene_label(scene_name), find(scene_name)
+    problem = override_scene(problem, **overrides, **lower)
+    if problem.on_line:
         from slipfront.cli.interfaces import solve_interface  # which takes longer to import
 
-        chosen(find(scene_name), method)
-        given = {**overrides, **lower, **points, "plot": plot, "figure": figure}
+        chosen(problem, method)
+        given = {"x": x, "t": t, "plot": plot, "figure": figure}
         refuse_given(given, f"is for scenes with a slot; leave it out for {label}")
+        end_time = asked(problem, "end_time", end_time, "time")
         end = {} if end_time is None else {"end_time": end_time}
         settings = {**end, **march_options}
         if settings.pop("no_estimate", False):
             settings["estimate"] = False
         files = {name: settings.pop(name, None) for name in ("save", "go_on")}
-        solve_interface(scene_name, settings, **files, as_json=as_json, quiet=quiet)
+        solve_interface(problem, label, settings, **files, as_json=as_json, quiet=quiet)
         return
-    problem = override_scene(described_scene(scene_name), **overrides, **lower)
     if isinstance(problem.load, HalfLine):
         from semianalytic.whole_line.drive import Drive, slot_scene
 

@@ -18,12 +18,11 @@ from rich.markup import escape
 
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
-from semianalytic.interface.named import described_interface
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, require
-from semianalytic.scene.given.finding import find_scene, scene_label
+from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.units import ARGUMENTS, InSI, unit
 from slipfront.cli.options import (
     LOWER_OPTIONS,
@@ -41,7 +40,7 @@ from slipfront.cli.options import (
 from slipfront.cli.terminal import print_json
 
 if TYPE_CHECKING:
-    from slipfront.surveys.parameters import Subject
+    from slipfront.surveys.parameters import Scene
 
 Scheduler = Annotated[
     str | None,
@@ -111,7 +110,7 @@ def survey_command(
         typer.Option(
             metavar="NAME=VALUES",
             help="Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
-            "interface, such as law.distance=1e-5:1e-4:10:log.",
+            "interface, such as friction_law.distance=1e-5:1e-4:10:log.",
         ),
     ] = None,
     together: Annotated[
@@ -137,20 +136,18 @@ def survey_command(
 ) -> None:
     """Solve a scene or run an interface at many values of its parameters, into NetCDF.
 
-    SCENE may also be the name or file of an interface.  Two different bodies
+    SCENE may also be on a line, which is marched.  Two different bodies
     with a slot are solved exactly: the lower one is lower_material of the file, or is like
     the upper one but for the numbers that are given.
 
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.
     """
+    from slipfront.surveys.parameters import checked_subject
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
 
-    interface = described_interface(scene_name)
-    if interface is not None and overrides:
-        raise SceneError("--units has no effect on an interface; leave it out.")
-    scene: Subject = interface or override_scene(find_scene(scene_name), **overrides)
+    scene = override_scene(checked_subject(scene_name), **overrides)
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
@@ -193,7 +190,7 @@ def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
     return connected(address)
 
 
-def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
+def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Numbers of a dimension may have units, all of one text or none; they are returned in the units
@@ -228,7 +225,7 @@ def typed_values(scene: Subject, name: str, text: str, dimension: str) -> Any:
     raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
 
 
-def _read(scene: Subject, name: str, texts: Sequence[str], dimension: str) -> list[float]:
+def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
     numbers = [read_number(scene, name, text, dimension) for text in texts]
     bare = [one for one in numbers if one and not isinstance(one, InSI)]
     if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
@@ -246,7 +243,7 @@ def _no_values(name: str, text: str) -> SceneError:
     )
 
 
-def _others(scene: Subject, vary: Sequence[str]) -> dict[str, Any]:
+def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
     """Return the values of parameters that have no option of their own."""
     from semianalytic.parameters.numbers import numbers_of
     from slipfront.surveys.parameters import parameter_name

@@ -92,13 +92,8 @@ def facts_table(answer: Any) -> PrintedTable:
     scene, known = answer.scene, solution_document(answer)
     units, edge = known["units"], known["edge"]
     table = PrintedTable("quantity", "value", "unit", show_header=False)
-    for name, value, dimension in _tractions(scene) if isinstance(scene, Scene) else ():
+    for name, value, dimension in _tractions(scene):
         table.add_row(name, value, unit(dimension, scene.units))
-    for name, part in known["scene"].items() if not isinstance(scene, Scene) else ():
-        if name in ("base", "load"):
-            for key, value in part.items():
-                shown = value if isinstance(value, str) else f"{value:.6g}"
-                table.add_row(f"{name}: {key}", shown, units["scene"][name].get(key, ""))
     speeds = known["wave_speeds"]
     for body, own in speeds.items() if "upper" in speeds else (("", speeds),):
         names = ", ".join(WAVE_SYMBOLS[name] for name in WAVES if WAVES[name] in own)

@@ -14,16 +14,15 @@ from compare.records.options import Placed, ReadingOptions
 from compare.records.read import read_records
 from compare.records.record import AFTER, Array, Record, Records
 from compare.validation.readings import base_of
-from semianalytic.interface.files import InterfaceFile
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 
-Subject = Scene | InterfaceFile | None
+Subject = Scene | None
 """What is fitted; None where that is not known yet."""
 _Made = tuple[Callable[[str], Gauge], str]
 """A function that makes a gauge of a given name, and the gauge's quantity."""
@@ -52,7 +51,7 @@ def read_gauges(
     noise : mapping from quantity to number, optional
         Standard deviation where no column gives it, in the unit of the quantity; the key "" stands
         for all other quantities.
-    scene : Scene or InterfaceFile, optional
+    scene : Scene, optional
         What the records are of.  Without it changes of tractions are refused.
     gauges : mapping from name to tuple, optional
         Of tables with a column for each gauge: what the column of that name records, and where, as
@@ -146,7 +145,7 @@ def _of_run(
         )
     _check_faces(run, scene)
     records = (*run.stations, *run.points)
-    if isinstance(scene, Scene):
+    if scene is not None and not scene.on_line:
         records = tuple(one for one in records if one.y is not None or one.x > 0)
         dropped = len(run.stations) + len(run.points) - len(records)
         if dropped:
@@ -184,10 +183,8 @@ def _check_faces(run: Records, scene: Subject) -> None:
     """Refuse motion of one face where slip is not twice that."""
     if not run.stated.faces or scene is None:
         return
-    if isinstance(scene, Scene):
-        loads, alike = (scene.load,), True
-    else:
-        loads, alike = scene.interface.loads, scene.interface.lower_material is None
+    loads = scene.load if isinstance(scene.load, tuple) else (scene.load,)
+    alike = scene.lower_material is None
     sheared = all(
         isinstance(one, Tractions) or type(one).__name__ == "InterfaceLoad" for one in loads
     ) and not any(getattr(one, "pressure", 0.0) for one in loads)
@@ -205,7 +202,7 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
             f"{run.source} holds changes of tractions; say of which scene, whose base is added."
         )
     unknown = [name for name in fitted if name in _BASES or name.partition(":")[0] == "gain"]
-    if isinstance(scene, Scene) and scene.superposition.in_place != scene.base:
+    if not scene.on_line and scene.superposition.in_place != scene.base:
         unknown += [name for name in fitted if name in ("load_shear", "load_pressure")]
     if unknown:
         raise DataFileError(
@@ -216,11 +213,11 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
 
 def _base(scene: Subject, quantity: str, x: float) -> float:
     """A traction at x before any load [stress]."""
-    if isinstance(scene, InterfaceFile):
-        field = getattr(scene.interface, "shear" if quantity == "shear_traction" else quantity)
-        return float(sampled(quantity, field, np.array([x]))[0])
     assert scene is not None
-    return base_of(scene, quantity)
+    if not scene.on_line:
+        return base_of(scene, quantity)
+    field = getattr(scene.base, "shear" if quantity == "shear_traction" else quantity)
+    return float(sampled(quantity, field, np.array([x]))[0])
 
 
 def _maker(

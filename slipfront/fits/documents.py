@@ -12,7 +12,6 @@ from semianalytic.inversion.priors import Normal
 from semianalytic.inversion.unknowns import is_of_setup
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.scene import Scene
 
 WELL = 3.0
 """Standard deviations that chi2 may exceed its freedom by in a fit as good as noise allows."""
@@ -33,7 +32,7 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     """Return a fit as dictionaries, lists, text and numbers."""
     rows = zip(fit.parameters, fit.values, fit.standard_errors, fit.interval, strict=True)
     document: dict[str, Any] = {
-        "scene": _subject(fit.scene),
+        "scene": scene_document(fit.scene),
         "parameters": {
             name: {
                 "value": float(value),
@@ -71,7 +70,7 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     }
     units = {name: dimension(name, fit.scene) for name in fit.parameters}
     dimensions = {
-        "scene": SCENE_DIMENSIONS if isinstance(fit.scene, Scene) else {"end_time": "time"},
+        "scene": SCENE_DIMENSIONS,
         "parameters": units,
         "chi2": "1",
         "gauges": {"x": "length", "y": "length", "chi2": "1"},
@@ -79,11 +78,6 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     }
     document["units"] = units_document(document, dimensions, fit.scene)
     return document
-
-
-def _subject(scene: Any) -> dict[str, Any]:
-    """Return a scene or an interface as text and numbers."""
-    return scene_document(scene) if isinstance(scene, Scene) else dict(scene.document())
 
 
 def misfit_sentence(fit: Fit) -> str:

@@ -24,7 +24,6 @@ from compare.figures.style import (
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.fits.documents import dimension
 
@@ -75,7 +74,7 @@ def fit_figure(fit: Fit) -> Figure:
     """
     panels = list(_panels(fit))
     height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
-    what = fit.scene if isinstance(fit.scene, Scene) else "fit of an interface"
+    what = "fit of a scene on a line" if fit.scene.on_line else fit.scene
     figure = describe(new_figure(12.5, height), what)
     left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
     _draw_records(left, fit, panels)

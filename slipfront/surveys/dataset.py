@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.interface.files import InterfaceFile
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.material import Material
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 from slipfront.surveys.parameters import MATERIAL, Array
 from slipfront.surveys.plan import SurveyPlan, of_two_bodies
@@ -65,7 +63,7 @@ def variables_of(plan: SurveyPlan, chunks: Chunks) -> dict[str, Variable]:
 
 def _bodies(plan: SurveyPlan) -> dict[str, Material]:
     """Return the bodies whose wave speeds are told, by the prefix of their names."""
-    if isinstance(plan.scene, Scene) and of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
+    if of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
         return dict(zip(("", "lower_"), plan.scene.bodies, strict=True))
     return {"": plan.scene.material}
 
@@ -145,7 +143,7 @@ def coordinates(
             attrs = {"units": unit(dimension, plan.scene.units), "long_name": meaning}
             result[name] = (name,), np.array(samples), attrs
     result["edge"] = ("edge",), np.array(["inner", "outer"]), {}
-    if isinstance(plan.scene, Scene):
+    if not plan.scene.on_line:
         result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
     return result
 
@@ -162,8 +160,7 @@ def attributes(plan: SurveyPlan, command: str) -> dict[str, Any]:
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
         "scene": json.dumps(plan.document),
-        "rtol": plan.question.rtol
-        or (0.0 if isinstance(plan.scene, InterfaceFile) else DEFAULT_RTOL),
+        "rtol": plan.question.rtol or (0.0 if plan.scene.on_line else DEFAULT_RTOL),
         "command": command,
         "survey": plan.digest,
     }

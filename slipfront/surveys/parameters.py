@@ -1,15 +1,15 @@
-"""The numbers of a scene or an interface by name, which a survey may vary."""
+"""The numbers of a scene by name, which a survey may vary."""
 
 from __future__ import annotations
 
 import difflib
+from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.named import described_interface
+from semianalytic.finding import find
 from semianalytic.parameters.numbers import numbers_of, spelled
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -17,39 +17,37 @@ from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
-Subject = Scene | InterfaceFile
-"""What a survey is of."""
-
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 
 
-def checked_subject(given: object) -> Subject:
-    """Return the scene or interface that a survey was given, itself or by its name or file.
+def checked_subject(given: object) -> Scene:
+    """Return the scene that a survey was given, itself or by its name or file.
 
     Raises
     ------
     SceneError
-        If it is none of them.
+        If it is none, or no survey takes it.
     """
-    described = described_interface(given)
-    return checked_scene("survey", given) if described is None else described
+    found = find(given) if isinstance(given, str | PathLike) else given
+    if isinstance(found, Scene) and found.on_line:
+        return found
+    return checked_scene("survey", found)
 
 
-def parameter_name(subject: Subject, given: str) -> str:
+def parameter_name(subject: Scene, given: str) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
     Raises
     ------
     SceneError
-        If the scene or interface has no such number.
+        If the scene has no such number.
     """
     known, name = numbers_of(subject), spelled(given)
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
-        what = "interface" if isinstance(subject, InterfaceFile) else "scene"
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
-        raise SceneError(f"survey: this {what} has no parameter {shown(given)}; {hint}")
+        raise SceneError(f"survey: this scene has no parameter {shown(given)}; {hint}")
     return name
 
 

@@ -16,8 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.interface import Interface
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
@@ -26,7 +24,6 @@ from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
 from slipfront.surveys.parameters import (
     Array,
-    Subject,
     checked_subject,
     checked_values,
     parameter_name,
@@ -109,11 +106,11 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class SurveyPlan:
-    """A survey: a scene or interface, the values of its parameters, and its options.
+    """A survey: a scene, the values of its parameters, and its options.
 
     Attributes
     ----------
-    scene : Scene or InterfaceFile
+    scene : Scene
     values : mapping of parameter to (n,) array
     fixed : mapping of parameter to number
         Parameters that replace those of the scene by one value at all points.
@@ -124,7 +121,7 @@ class SurveyPlan:
         Largest number of points in a chunk.
     """
 
-    scene: Subject
+    scene: Scene
     values: Mapping[str, Array]
     fixed: Mapping[str, float]
     together: bool
@@ -192,9 +189,7 @@ class SurveyPlan:
 
     @cached_property
     def document(self) -> dict[str, Any]:
-        """The scene or interface as text and numbers."""
-        if isinstance(self.scene, InterfaceFile):
-            return self.scene.document()
+        """The scene as text and numbers."""
         return scene_document(self.scene)
 
     @cached_property
@@ -262,7 +257,7 @@ def _row(values: Array) -> str:
 
 
 def planned(
-    scene: Subject | Interface | str | PathLike[str],
+    scene: Scene | str | PathLike[str],
     parameters: Mapping[str, ArrayLike],
     question: Question,
     *,
@@ -278,10 +273,9 @@ def planned(
         differ in length, or an option is out of range.
     """
     scene = checked_subject(scene)
-    of_interface = isinstance(scene, InterfaceFile)
-    if of_interface and question.length is not None:  # a number of the interface itself
-        parameters = {**parameters, "length": question.length}
-        question = replace(question, length=None)
+    of_interface = bool(scene.on_line)
+    if of_interface and question.length is not None:
+        raise SceneError("survey: length is for a slot; the line has a `period`.")
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():
@@ -318,10 +312,10 @@ def planned(
     return plan
 
 
-def of_two_bodies(scene: Subject, names: Iterable[str]) -> bool:
+def of_two_bodies(scene: Scene, names: Iterable[str]) -> bool:
     """Return whether a survey of a scene over parameters is of two different bodies."""
     lower = any(name.startswith("lower_") for name in names)
-    return isinstance(scene, Scene) and (lower or scene.lower_material is not None)
+    return not scene.on_line and (lower or scene.lower_material is not None)
 
 
 def _check_count(what: str, count: int, most: int) -> None:
@@ -330,8 +324,8 @@ def _check_count(what: str, count: int, most: int) -> None:
         raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
 
 
-def _usual_chunk(scene: Subject, names: Sequence[str]) -> int:
-    if isinstance(scene, InterfaceFile):
+def _usual_chunk(scene: Scene, names: Sequence[str]) -> int:
+    if bool(scene.on_line):
         return RUN
     if of_two_bodies(scene, names):
         return PAIRS

@@ -20,10 +20,10 @@ from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array, Subject
+from slipfront.surveys.parameters import Array
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
-from slipfront.surveys.runs import interface_row
+from slipfront.surveys.runs import line_row
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
@@ -37,13 +37,13 @@ _REFUSED = {"method": "none", "origin": "refused"}
 
 
 def solved_chunk(
-    scene: Subject, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
+    scene: Scene, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
     Parameters
     ----------
-    scene : Scene or InterfaceFile
+    scene : Scene
     values : mapping of parameter to (m,) array
     fixed : mapping of parameter to number
     question : Question
@@ -57,11 +57,11 @@ def solved_chunk(
         start = process_time()
         try:
             problem = with_numbers(scene, given)
-            if isinstance(problem, Scene):
-                (scenes if problem.lower_material is None else pairs)[i] = problem
-            else:
-                rows[i] = interface_row(problem, question)
+            if problem.on_line:
+                rows[i] = line_row(problem, question)
                 rows[i]["seconds"] = process_time() - start
+            else:
+                (scenes if problem.lower_material is None else pairs)[i] = problem
         except SlipfrontError as error:
             rows[i] = _refused(error)
     for i, pair in pairs.items():

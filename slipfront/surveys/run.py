@@ -7,6 +7,7 @@ the last bit on one process, on many, and on a cluster, with or without interrup
 from __future__ import annotations
 
 import os
+import pickle
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,14 +17,11 @@ from numpy.typing import ArrayLike
 
 from compare.output.places import check_file
 from compare.tasks.workers import Progress, Task, run_tasks
-from semianalytic.interface.documents import can_travel
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.interface import Interface
 from semianalytic.results.files import Seal, check_seal, write_bytes
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import XARRAY, require
-from semianalytic.scene.given.arguments import checking
-from slipfront.surveys.parameters import Subject
+from slipfront.surveys.parameters import Scene
 from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, opened_store
@@ -33,7 +31,7 @@ FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 @checking
 def survey(
-    scene: Subject | Interface | str | os.PathLike[str],
+    scene: Scene | str | os.PathLike[str],
     *,
     together: bool = False,
     rtol: float | None = None,
@@ -58,7 +56,7 @@ def survey(
 
     Parameters
     ----------
-    scene : Scene, Interface, InterfaceFile, str or path
+    scene : Scene, str or path
         Values that no parameter replaces are those of this scene or interface, or of that of
         this name or file, as for `find`.  If a function of
         an interface, or its law, was defined in a notebook or the running program, one process
@@ -146,8 +144,8 @@ def run_survey(
     command : str
         Call or command line that asked for the survey, stored in the dataset.
     """
-    if isinstance(plan.scene, InterfaceFile) and client is None:
-        workers = workers if can_travel(plan.scene.interface) else 1
+    if plan.scene.on_line and client is None:
+        workers = workers if can_travel(plan.scene) else 1
     plan.check_memory()
     if path is None:
         require("A survey", "xarray")
@@ -223,3 +221,15 @@ def _written(path: Path, plan: SurveyPlan) -> Any:
     if found.attrs.get("survey") != plan.digest:
         raise DataFileError(f"{path} holds something else; move it away or give another path.")
     return found
+
+
+def can_travel(scene: Scene) -> bool:
+    """Return whether other processes can receive a scene.
+
+    They cannot receive functions and laws of a notebook or of the program that is running.
+    """
+    try:
+        # Pickle refers to such functions by name, and other processes have another __main__.
+        return b"__main__" not in pickle.dumps(scene)
+    except Exception:  # what cannot be pickled fails in any way
+        return False

@@ -1,43 +1,41 @@
-"""The quantities of one interface of a survey."""
+"""The quantities of one scene on a line of a survey."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
-from semianalytic.interface.files import InterfaceFile
 from semianalytic.results.intervals import front_speeds
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
 from slipfront.surveys.plan import Question
 
 RUN = "interface"
-"""Method of interfaces."""
+"""Method of scenes on a line."""
 
 
-def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any]:
-    """Run an interface and return its quantities by name.
+def line_row(scene: Scene, question: Question) -> dict[str, Any]:
+    """March a scene and return its quantities by name.
 
     Raises
     ------
     SceneError, ComputationError
         As `run` does, or if there is no end time.
     """
-    options: dict[str, Any] = dict(described.options)
-    for name in ("nodes", "rtol"):
+    options: dict[str, Any] = dict(scene.run)
+    for name in ("nodes", "rtol", "end_time"):
         if getattr(question, name) is not None:
             options[name] = getattr(question, name)
-    end = described.end_time if question.end_time is None else question.end_time
-    if question.t and not math.isfinite(end):
-        end = max(question.t)
-    if not math.isfinite(end):
-        raise SceneError("survey: end_time is missing; say until when the interface is computed.")
+    if question.t and "end_time" not in options:
+        options["end_time"] = max(question.t)
+    if "end_time" not in options:
+        raise SceneError("survey: end_time is missing; say until when the scene is marched.")
     if question.t:
         options["times"] = question.t
-    done = run(described.interface, end, **options)
+    done = run(scene, **options)
     begun = np.isfinite(done.onset)
     touching = done.interface.touching
     row: dict[str, Any] = {
@@ -56,7 +54,7 @@ def interface_row(described: InterfaceFile, question: Question) -> dict[str, Any
         "origin": "run",
         "method": RUN,
     }
-    if described.interface.may_open:
+    if scene.may_open:
         row["largest_gap"] = float(done.interface.gap[:, touching].max(initial=0.0))
     return row | _along(done, question)
 
@@ -68,7 +66,7 @@ def _along(done: Run, question: Question) -> dict[str, Any]:
     x = np.array(question.x)
     row = {
         "arrival": done.at(done.onset, x),
-        "front_speed": done.at(front_speeds(done.onset, done.scene.length / done.nodes), x),
+        "front_speed": done.at(front_speeds(done.onset, done.scene.period / done.nodes), x),
     }
     if question.t:
         for name in question.fields:

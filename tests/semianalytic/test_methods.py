@@ -13,10 +13,10 @@ from catalogue import under
 
 import slipfront as sf
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.methods import METHODS, chosen
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names
+from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.whole_line.growing import GrowingSolution
 from semianalytic.whole_line.solution import LineSolution
 
@@ -61,7 +61,7 @@ def test_one_verb_answers_every_kind(name):
 def test_there_is_one_catalogue_of_names():
     known = names()
     assert len(known) == len(set(known))
-    assert {*NAMED_INTERFACES} <= {*known}
+    assert {*NAMED_LINES} <= {*known}
     for name in known:
         assert chosen(sf.find(name)).name in ("self-similar", "space-time")
     with pytest.raises(sf.SceneError, match=r"no scene called 'tpv206'; did you mean tpv205\?"):
@@ -96,14 +96,14 @@ def test_a_table_keeps_its_own_numbers():
         ("growing-load", {"rtol": 1.0}, "for a Scene, which knows none"),
         ("ramp", {"tol": 1e-3}, "which knows end_time, nodes, rtol, length"),
         ("punch", {"node": 9}, "which knows end_time, nodes, rtol, step_ratio, .*longest"),
-        (sf.find("punch").interface, {}, "give end_time"),
+        (replace(sf.find("punch"), run={}), {}, "give end_time"),
         ("preloaded", {"method": "fem"}, "method must be one of auto, self-similar, space-time"),
         ("pair-slip", {"method": "space-time"}, "got a Scene of two solids"),
         ("ramp", {"method": "self-similar"}, "takes step loads only"),
         (
             SOLID,
             {},
-            "problem must be a Scene or Interface, or",
+            "problem must be a Scene, or",
         ),
     ],
 )

@@ -17,7 +17,7 @@ X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 
 
 def punched(**options):
-    return sf.solve(sf.find("punch").interface, end_time=0.5, nodes=64, **options)
+    return sf.solve(sf.find("punch"), end_time=0.5, nodes=64, **options)
 
 
 def validated():

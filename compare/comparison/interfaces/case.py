@@ -26,9 +26,9 @@ from semianalytic import Run
 from semianalytic.engine.result import LineFields
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
-from semianalytic.interface.fields import at_nodes
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.line.fields import at_nodes
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -99,7 +99,7 @@ class LineCase(Case):
         """Return which positions, (n,), are within a width of a slot of the periodic line, in the
         run or on a mesh."""
         answers: tuple[LineFields | LineSimulation, ...] = (self.run.interface, *self.simulations)
-        slots, period = [one.x[~one.touching] for one in answers], self.run.scene.length
+        slots, period = [one.x[~one.touching] for one in answers], self.run.scene.period
         if self.run.scene.even:
             slots.append(-slots[0])
         apart = x[:, None] - np.concatenate(slots) + period / 2
@@ -234,7 +234,7 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         still = {name: np.nan_to_num(done.at(values, one.x)) for name, values in base.items()}
         fields = {name: values - still[name] for name, values in fields_of(one, UNITS).items()}
         changes = InterfaceHistory(x=one.x, t=one.t, **fields)
-        mesh = LineMesh(one, changes, one.nodes, done.scene.length / one.nodes, mesh)
+        mesh = LineMesh(one, changes, one.nodes, done.scene.period / one.nodes, mesh)
     both: tuple[Any, Any] = done, mesh
     return LineCase(*both, predicted_changes(done, simulations[0].x), None)
 
@@ -251,9 +251,9 @@ def predicted_changes(done: Run, x: Array) -> InterfaceHistory:
 
 def _in_place(done: Run) -> dict[str, Array]:
     """Return what fields are at the nodes of a run before anything moves, by name."""
-    face, spacing = done.scene, done.scene.length / done.nodes
+    face, spacing = done.scene, done.scene.period / done.nodes
     base = dict.fromkeys(UNITS, np.zeros_like(done.interface.x))
-    on = "interface: pressure", face.pressure, done.interface.x, done.interface.touching
+    on = "scene: pressure", face.base.pressure, done.interface.x, done.interface.touching
     base["pressure"] = at_nodes(*on, spacing)
-    base["shear_traction"] = sampled("interface: shear", face.shear, done.interface.x, spacing)
+    base["shear_traction"] = sampled("scene: shear", face.base.shear, done.interface.x, spacing)
     return base

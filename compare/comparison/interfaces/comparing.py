@@ -13,14 +13,15 @@ from compare.comparison.interfaces.case import line_case
 from compare.comparison.judgement import Judgement
 from fem.lines import Line, LineSimulation, simulate_line
 from fem.lines.march import planned_work, sample_times
-from semianalytic import Interface, Run, solve
+from semianalytic import Run, Scene, solve
 from semianalytic.engine.stepping.acting import ActingLoads
-from semianalytic.engine.stepping.line import fitting_nodes, grid_of
+from semianalytic.engine.stepping.fronts import acting_loads
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of, with_period
 from semianalytic.engine.stepping.tuning import NODES
-from semianalytic.interface.fields import at_nodes
-from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.line.fields import at_nodes
 
 Progress = Callable[[int, int], None]
 
@@ -57,7 +58,7 @@ def judge_interface(done: Run, simulations: Sequence[LineSimulation]) -> Judgeme
 
 
 def compare_interface(
-    interface: Interface,
+    scene: Scene,
     end_time: float,
     nodes: int | None = None,
     *,
@@ -73,7 +74,7 @@ def compare_interface(
 
     Parameters
     ----------
-    interface : Interface
+    scene : Scene
     end_time : float
         Last time [time].
     nodes : int, optional
@@ -106,22 +107,22 @@ def compare_interface(
     >>> from compare.comparison.interfaces.comparing import compare_interface
     >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1))
     >>> solid = sf.Material(1.0, 1.0, 0.25)
-    >>> patched = sf.Interface(solid, sf.Coulomb(0.5), 8.0, loads=[patch])
+    >>> where = {"contact": sf.Contact(), "period": 8.0}
+    >>> patched = sf.Scene(solid, 0.5, sf.Tractions(1.0, 0.0), patch, **where)
     >>> compare_interface(patched, 1.0, nodes=128).verdict
     'agrees'
     """
-    if not isinstance(interface, Interface):
-        raise SceneError(f"compare: interface must be an Interface, got {shown(interface)}.")
     end_time = checked_size("compare: end_time", end_time)
+    scene = with_period(scene, end_time)
     if nodes is None:
-        nodes = fitting_nodes(interface, NODES, HALVINGS)
-    finest = _mesh_nodes(interface, end_time, nodes, mesh_nodes)
-    shift = grid_of(interface, nodes).shift
-    lines = [line_of(interface, finest >> number, shift) for number in range(MESHES)]
+        nodes = fitting_nodes(scene, NODES, HALVINGS)
+    finest = _mesh_nodes(scene, end_time, nodes, mesh_nodes)
+    shift = grid_of(scene, nodes).shift
+    lines = [line_of(scene, finest >> number, shift) for number in range(MESHES)]
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
     # first the run, which refuses friction that has no answer
     done = solve(
-        interface,
+        scene,
         end_time=end_time,
         nodes=nodes,
         **{**kept, "times": sample_times(end_time).tolist()},
@@ -132,7 +133,7 @@ def compare_interface(
     return judge_interface(done, simulations)
 
 
-def _mesh_nodes(interface: Interface, end_time: float, nodes: int, given: int | None) -> int:
+def _mesh_nodes(scene: Scene, end_time: float, nodes: int, given: int | None) -> int:
     """Return the nodes of the finest mesh, after a check that friction and mesh admit them."""
     nodes = checked_count("compare: nodes", nodes, COARSEST, "a whole number of at least")
     if given is not None:
@@ -144,18 +145,18 @@ def _mesh_nodes(interface: Interface, end_time: float, nodes: int, given: int | 
             )
         return given
     while nodes % 8 == 0 and nodes > COARSEST:
-        if planned_work(line_of(interface, nodes), end_time) <= USUAL_WORK:
+        if planned_work(line_of(scene, nodes), end_time) <= USUAL_WORK:
             break
         nodes //= 2
     return nodes
 
 
-def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Line:
+def line_of(scene: Scene, nodes: int, shift: float | None = None) -> Line:
     """Return what finite elements have to know of an interface, at the nodes that `run` has.
 
     Parameters
     ----------
-    interface : Interface
+    scene : Scene
     nodes : int
         Nodes of the whole period; even interfaces are simulated on all of it.
     shift : float, optional
@@ -167,36 +168,37 @@ def line_of(interface: Interface, nodes: int, shift: float | None = None) -> Lin
         If mean slip is held, which no body does, there is adhesion, or a field has no value at a
         node.
     """
-    if interface.held != math.inf:
+    if scene.held != math.inf:
         raise SceneError(
             "simulate: finite elements have no stiffness that holds the mean slip; leave out "
             "`held` (docs/engine.md)."
         )
-    if interface.adhesion is not None:
+    if scene.adhesion is not None:
         raise SceneError(
             "simulate: finite elements have no adhesion; leave it out to compare (docs/engine.md)."
         )
     # Even interfaces are simulated on all of the line.
-    grid = replace(grid_of(interface, nodes, shift), even=False)
+    grid = replace(grid_of(scene, nodes, shift), even=False)
     x, spacing = grid.x, grid.spacing
-    touching = interface.contact.touches(x)
+    touching = scene.contact.touches(x)
     on = x[touching]
-    law = interface.law.on(on, spacing)
-    pressure = at_nodes("interface: pressure", interface.pressure, x, touching, spacing)
-    shear = sampled("interface: shear", interface.shear, x, spacing)
-    rate = np.abs(sampled("interface: rate", interface.rate, on))
+    law = scene.law.on(on, spacing)
+    pressure = at_nodes("scene: pressure", scene.base.pressure, x, touching, spacing)
+    shear = sampled("scene: shear", scene.base.shear, x, spacing)
+    loads = acting_loads(scene)
+    rate = np.abs(sampled("scene: rate", scene.rate, on))
     state = np.asarray(law.start(pressure[touching], shear[touching], rate), dtype=float)
     return Line(
-        upper=interface.material,
-        lower=interface.lower_material or interface.material,
-        length=interface.length,
+        upper=scene.material,
+        lower=scene.bodies[1],
+        length=scene.period,
         x=x,
         touching=touching,
         friction=law,
         state=state,
-        shear=ActingLoads("shear", shear, interface.loads, x, touching),
-        pressure=ActingLoads("pressure", pressure, interface.loads, x, touching),
-        opens=interface.may_open,
-        antiplane=interface.mode == "antiplane",
-        plate_rate=interface.plate_rate,
+        shear=ActingLoads("shear", shear, loads, x, touching),
+        pressure=ActingLoads("pressure", pressure, loads, x, touching),
+        opens=scene.may_open,
+        antiplane=scene.mode == "antiplane",
+        plate_rate=scene.plate_rate,
     )

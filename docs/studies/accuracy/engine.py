@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from docs.studies.runner import Row, Study, main
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
@@ -64,7 +65,7 @@ def profiles(
         yield profile(case, field.replace("_", " "), known, getattr(done.interface, field)[0][near])
 
 
-def ended(fault: sf.Interface, nodes: int, end: float = 1.0) -> sf.Run:
+def ended(fault: sf.Scene, nodes: int, end: float = 1.0) -> sf.Run:
     """Run an interface and keep its end alone."""
     return sf.solve(fault, end_time=end, nodes=nodes, times=[end], estimate=False)
 
@@ -96,7 +97,7 @@ def marched_growth(mode: str, ratio: float, inertia: float, kappa: float, step: 
     rate, q = inertia * 2 * a, kappa * 2 * a
     law = sf.RateAndState(a, ratio * a, 0.6, rate, 1.0)
     kick = sf.InterfaceLoad(lambda x: 1e-8 * np.cos(q * x), history=lambda t: math.exp(-rate * t))
-    fault = sf.Interface(
+    fault = scene_along(
         UNIT,
         law,
         2 * math.pi / q,
@@ -167,7 +168,7 @@ def patches() -> Iterator[Row]:
                 return np.asarray(rise * rise * (3 - 2 * rise))
 
             load = sf.InterfaceLoad(shear, history=None)
-            fault = sf.Interface(SOLID, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
+            fault = scene_along(SOLID, sf.Coulomb(0.5), 2.5, loads=[load], mode=mode, even=True)
             done = ended(fault, nodes)
             v = 1 / done.interface.x[1:]
             y = v * root / (p * np.sqrt(np.maximum(v * v - s * s, 1e-12)))
@@ -192,7 +193,7 @@ def fronts() -> Iterator[Row]:
         scene = sf.Scene(SOLID, friction=0.3, base=sf.Tractions(1.0, 0.0), load=front, mode=mode)
         answer, end = sf.solve(scene), 1.0 - front.slowness(SOLID) * at
         loads, half = [sf.FrontLoad(front, at=at)], sf.Contact.half_line()
-        face = sf.Interface(SOLID, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
+        face = scene_along(SOLID, sf.Coulomb(0.3), length, 1.0, 0.0, loads, half, mode)
         for nodes in (512, 1024, 2048):
             done, case = ended(face, nodes, end), f"{name}, {nodes} nodes"
             fields = ("slip_rate", "shear_traction")
@@ -248,8 +249,8 @@ def cracks() -> Iterator[Row]:
     off, beside = sf.InterfaceLoad(1.0, on="slot"), sf.Contact.half_line()
     for side, mode, impedance in SIDES:
         for nodes in (512, 1024, 2048, 4096):
-            whole = sf.Interface(SOLID, law, 5.0, shear=1.0, mode=side, even=True)
-            half = sf.Interface(SOLID, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
+            whole = scene_along(SOLID, law, 5.0, shear=1.0, mode=side, even=True)
+            half = scene_along(SOLID, law, 10.0, shear=1.0, loads=[off], contact=beside, mode=side)
             for name, fault in (("Kostrov", whole), ("Freund", half)):
                 done = ended(fault, nodes)
                 near = (done.interface.x > 0) & (done.interface.x < speed)
@@ -268,7 +269,7 @@ def statics() -> Iterator[Row]:
     edge = 8 / math.pi * math.acos(math.cos(math.pi / 8) / math.cos(math.pi * 0.15 / 2))
     for nodes in (256, 512, 1024):
         options: Row = {"step_ratio": 0.5, "times": [62.0], "estimate": False}
-        done = sf.solve(named.interface, end_time=named.end_time, nodes=nodes, **options)
+        done = sf.solve(named, nodes=nodes, **options)
         x = done.interface.x[done.interface.x < edge]
         square = np.tan(math.pi * edge / 8) ** 2 - np.tan(math.pi * x / 8) ** 2
         top = math.tan(math.pi / 8) ** 2 - math.tan(math.pi * edge / 8) ** 2
@@ -281,7 +282,7 @@ def edges() -> Iterator[Row]:
     """Yield the slip rate beside two edges until the wave of the other one arrives."""
     scene = sf.find("preloaded")
     answer = sf.solve(scene)
-    fault = sf.Interface(
+    fault = scene_along(
         scene.material,
         sf.Coulomb(scene.coefficient),
         16.0,
@@ -293,11 +294,11 @@ def edges() -> Iterator[Row]:
         yield from profiles(case, answer, ended(fault, nodes), "slip_rate", least=0, most=3)
 
 
-def beside_slot(name: str) -> tuple[sf.Scene, sf.Interface]:
+def beside_slot(name: str) -> tuple[sf.Scene, sf.Scene]:
     """Return a named scene, and the same on a periodic line: a gap of c_l T on either side."""
     scene = sf.find(name)
     put = scene.superposition.taken_off
-    face = sf.Interface(
+    face = scene_along(
         scene.material,
         sf.Coulomb(scene.coefficient),
         10.0,

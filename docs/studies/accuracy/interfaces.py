@@ -19,6 +19,7 @@ import semianalytic as sf
 from compare.comparison.interfaces.comparing import compare_interface, judge_interface
 from compare.comparison.judgement import Judgement
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from docs.studies.lines import scene_along
 from docs.studies.runner import Point, Study, grouped, main
 from docs.studies.runner import Row as Line
 from semianalytic.dissimilar.kernels import BodyPair
@@ -45,7 +46,7 @@ def named(name: str) -> list[Line]:
     found = sf.find(name)
     none = dict.fromkeys(("difference", "bar", "order"))
     try:
-        judged = compare_interface(found.interface, found.end_time, **found.options)
+        judged = compare_interface(found, **found.run)
     except SceneError:
         row = {"interface": name, "mesh": None, "quantity": "", **none}
         return [{**row, "verdict": "", "whole": "refused"}]
@@ -58,7 +59,7 @@ def named(name: str) -> list[Line]:
     ]
 
 
-def drawn(rng: np.random.Generator, inside: bool) -> sf.Interface:
+def drawn(rng: np.random.Generator, inside: bool) -> sf.Scene:
     """Return a random pair of bodies: a growing patch on the whole line, or a loaded slot.
 
     Inside, no wave grows under Coulomb friction; outside one does, and friction has a delay.
@@ -85,13 +86,13 @@ def drawn(rng: np.random.Generator, inside: bool) -> sf.Interface:
             return sense * friction * excess * edge
 
         load = sf.InterfaceLoad(push, history=None)
-        return sf.Interface(law=law, shear=0.7 * sense * friction, loads=[load], **common)
+        return scene_along(law=law, shear=0.7 * sense * friction, loads=[load], **common)
     load = sf.InterfaceLoad(sense * float(rng.uniform(0.5, 1.5)), on="slot")
     slot = sf.Contact([(-6.0, -1.0), (1.0, 6.0)])
-    return sf.Interface(law=law, loads=[load], contact=slot, **common)
+    return scene_along(law=law, loads=[load], contact=slot, **common)
 
 
-SPOILS: dict[str, Callable[[Any], sf.Interface]] = {
+SPOILS: dict[str, Callable[[Any], sf.Scene]] = {
     "bodies exchanged": lambda one: replace(
         one, material=one.lower_material or one.material, lower_material=one.material
     ),

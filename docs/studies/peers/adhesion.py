@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from docs.studies.peers.rows import GridRun, places, record, timed_run
 from docs.studies.peers.uguca import dumped
 
@@ -33,7 +34,7 @@ def theirs(program: Path, nodes: int) -> GridRun:
 def ours(nodes: int) -> GridRun:
     """Run the same problem."""
     bonds = sf.Adhesion(strength=lambda x: 1.0 * (np.abs(x) >= CUT), length=GAP)
-    face = sf.Interface(
+    face = scene_along(
         sf.Material(1.0, 1.0, 0.25),
         sf.Coulomb(0.0),
         LENGTH,

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
 from docs.studies.peers.sem2dpack import Fields, patch, plain_input, their_run
 
@@ -56,7 +57,7 @@ def our_run(nodes: int) -> tuple[Fields, float]:
     def shear(x: Array) -> Array:
         return 82.81e6 + 4.0955e6 * patch(x, 4.0)
 
-    fault = sf.Interface(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
+    fault = scene_along(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     done, seconds = timed_run(fault, END, nodes, TIMES)
     return Fields(
         done.interface.t,

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
 
 COMMAND = "python -m docs.studies.peers.cracklet FOLDER"
@@ -112,7 +113,7 @@ def our_run(problem: Problem, times: Array, nodes: int, near: float) -> tuple[Ar
         return np.asarray(steady + KICK * np.sin(2 * np.pi * (x / problem.length + 0.5)))
 
     body = sf.Material(3e8, 1200.0, 0.33)
-    fault = sf.Interface(
+    fault = scene_along(
         body,
         Pmma(problem.f, problem.a, theta, problem.rest),
         problem.length,

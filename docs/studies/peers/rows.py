@@ -101,7 +101,7 @@ def seconds_of(command: Sequence[str | Path], folder: Path) -> float:
 
 
 def timed_run(
-    fault: sf.Interface, end: float, nodes: int, times: Sequence[float] | Array, **options: Any
+    fault: sf.Scene, end: float, nodes: int, times: Sequence[float] | Array, **options: Any
 ) -> tuple[sf.Run, float]:
     """Run an interface; return it, and the seconds of the processor it took."""
     began = time.process_time()

@@ -38,14 +38,14 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
     Shear tractions are changes.
     """
     found = sf.find("tpv205")
-    done, seconds = timed_run(found.interface, float(t[-1]), nodes, t)
+    done, seconds = timed_run(found, float(t[-1]), nodes, t)
     where = np.abs(done.interface.x[:, None] - x).argmin(axis=0)
     slip, rate, shear = (
         field[:, where]
         for field in (done.interface.slip, done.interface.slip_rate, done.interface.shear_traction)
     )
     fields = {"slip": slip[1:], "slip rate": rate[1:], "shear traction": shear[1:] - shear[0]}
-    return GridRun(f"{found.interface.length / nodes:g} m", fields, seconds), shear[0]
+    return GridRun(f"{found.period / nodes:g} m", fields, seconds), shear[0]
 
 
 def main() -> None:

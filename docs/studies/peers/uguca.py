@@ -43,7 +43,7 @@ def published(folder: Path, nodes: int) -> dict[str, Array]:
 def tpv101(fields: Path, build: Path) -> None:
     """Write the rows of TPV101, held against the limit of UGUCA's own two grids."""
     found = sf.find("tpv101")
-    every = 20 * 0.35 * 50 / found.interface.material.shear_speed
+    every = 20 * 0.35 * 50 / found.material.shear_speed
     times = [every * k for k in range(FRAMES)]
     pairs = []
     for nodes, our_nodes in ((1440, 720), (2880, 1440)):
@@ -51,9 +51,7 @@ def tpv101(fields: Path, build: Path) -> None:
             program = (build / "TPV101-2d").resolve()
             seconds = seconds_of([program, "-N", str(nodes)], Path(scratch))
         theirs = GridRun(f"{PERIOD / nodes:g} m", published(fields, nodes), seconds)
-        done, seconds = timed_run(
-            found.interface, times[-1], our_nodes, times, step_ratio=STEP_RATIO
-        )
+        done, seconds = timed_run(found, times[-1], our_nodes, times, step_ratio=STEP_RATIO)
         ours = {"slip": done.interface.slip, "slip rate": done.interface.slip_rate}
         pairs.append((theirs, GridRun(f"{PERIOD / our_nodes:g} m", ours, seconds)))
     coarse, fine = (theirs.fields for theirs, _ in pairs)
@@ -89,9 +87,9 @@ def their_bimat(build: Path, nodes: int) -> GridRun:
 def our_bimat(nodes: int) -> GridRun:
     """Run `rock-on-gouge`; the same fields."""
     found = sf.find("rock-on-gouge")
-    assert found.end_time is not None
-    times = [found.end_time * k / 20 for k in range(21)]
-    done, seconds = timed_run(found.interface, found.end_time, nodes, times)
+    end = float(found.run["end_time"])
+    times = [end * k / 20 for k in range(21)]
+    done, seconds = timed_run(found, end, nodes, times)
     fields = (
         done.interface.slip,
         done.interface.slip_rate,

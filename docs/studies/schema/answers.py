@@ -17,7 +17,6 @@ from docs.studies.schema.vocabulary import (
     COUNTS,
     MATERIAL,
     NUMBER,
-    PROBLEM,
     SCENE,
     TEXT,
     TRUTH,
@@ -45,7 +44,6 @@ _UNTIL_END_TIME = Key("zones, slip and work until --end-time, if given", ANYTHIN
 _EDGES = "velocities of the edges of slip zones"
 _ZONES = Key(_EDGES, list_of(shape("inner outer", wholes="sense")))
 _OPENINGS = Key("velocities of the edges of openings", list_of(shape("inner outer")))
-_INTERFACE = object_of(interface=ANYTHING, end_time=or_null(NUMBER), options=ANYTHING)
 _RUN = shape(
     "end_time resolution element_size damping time_step critical_step",
     "run model caution",
@@ -97,7 +95,7 @@ _INTERFACE_RUN = {
     "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
 }
 """Keys of the run of an interface."""
-_SHEET = row_of(Sheet, scene=PROBLEM)
+_SHEET = row_of(Sheet, scene=SCENE)
 _JUDGED_ROWS = list_of(row_of(Row, verdict=TEXT, remedy=TEXT))
 _QUOTED = Key("differences and error bars of slip, slip rate and edges, on one line", TEXT)
 
@@ -168,10 +166,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "fit": (
         {
-            "scene": Key(
-                "the scene as its TOML file has it, or the interface",
-                {"anyOf": [SCENE, _INTERFACE]},
-            ),
+            "scene": Key("the scene as its TOML file has it", SCENE),
             "parameters": Key(
                 "fitted values, standard errors, and the ends between which chi2 is at most one "
                 "above its least, by name",

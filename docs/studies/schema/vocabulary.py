@@ -82,19 +82,30 @@ def typed_as(hint: Any) -> Schema:
 SCENE, UNITS = {"$ref": "#/$defs/scene"}, {"$ref": "#/$defs/units"}
 MATERIAL, TRACTIONS = shape("shear_modulus density poisson_ratio"), shape("pressure shear")
 KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["kind"]}
-_WORDS = dict.fromkeys(("mode", "units"), TEXT)
+FIELD: Schema = {"anyOf": [NUMBER, TEXT, ANYTHING]}
+"""A number, an expression of x, or a table."""
+_ALONG: Schema = object_of(
+    ("shear", "pressure", "history", "on"), shear=FIELD, pressure=FIELD, history=FIELD, on=TEXT
+)
+_LOAD: Schema = {"anyOf": [TRACTIONS, KIND, _ALONG]}
+_WORDS = dict.fromkeys(("mode", "units", "load_on"), TEXT)
 _LAWS = dict.fromkeys(("pressure_history", "shear_history", "friction_law"), KIND)
-_GIVEN: Mapping[str, Schema] = {"friction": NUMBER, "material": MATERIAL, "base": TRACTIONS}
-_OPTIONAL = {**_LAWS, **_WORDS, "load_on": TEXT, "contact": TEXT, "lower_material": MATERIAL}
+_BASE: Schema = object_of(pressure=FIELD, shear=FIELD)
+_LINE = {
+    **dict.fromkeys(("friction", "period", "rate", "plate_rate", "held"), FIELD),
+    **{key: {"anyOf": [TEXT, TRUTH, ANYTHING]} for key in ("contact", "even")},
+    **dict.fromkeys(("adhesion", "numbers", "run"), ANYTHING),
+}
+_OPTIONAL = {**_LAWS, **_WORDS, **_LINE, "lower_material": MATERIAL}
 DEFINITIONS: Schema = {
     "scene": object_of(
         tuple(_OPTIONAL),
-        **_GIVEN,
-        load={"anyOf": [TRACTIONS, KIND]},
+        material=MATERIAL,
+        base=_BASE,
+        load={"anyOf": [_LOAD, list_of(_LOAD)]},
         **_OPTIONAL,
     ),
     "units": named({"anyOf": [TEXT, UNITS]}),
 }
-PROBLEM: Schema = {"anyOf": [SCENE, object_of(interface=TEXT)]}
 COUNTS = Key("rows by verdict", named(WHOLE))
 VERDICT = Key("agrees, differs or unresolved", TEXT)

@@ -78,7 +78,7 @@ class ProfilePart:
 
 @dataclass(frozen=True, eq=False)
 class PairProfile:
-    """Fields on the interface over slowness, in the units of the `Interface`.
+    """Fields on the interface over slowness, in the units of the `Scene`.
 
     Attributes
     ----------

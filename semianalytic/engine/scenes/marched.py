@@ -30,9 +30,9 @@ from semianalytic.results.questions import ONSET_SHARE, onsets_until
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import asked_in_units
 from semianalytic.scene.scene import Scene, Tractions
 
 Array = NDArray[np.float64]

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
-from semianalytic.interface.fields import at_nodes
-from semianalytic.interface.interface import Interface
-from semianalytic.interface.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import moving, sampled
+from semianalytic.scene.line.fields import at_nodes
+from semianalytic.scene.line.loads import InterfaceLoad
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ class ActingLoads:
         self,
         of: str,
         base: Array,
-        loads: Sequence[InterfaceLoad | FrontLoad],
+        loads: Sequence[InterfaceLoad | ActingFront],
         x: Array,
         touching: NDArray[np.bool_],
         step: float = 0.0,
@@ -52,7 +53,7 @@ class ActingLoads:
         self._of, self._base, self._x, self._free = of, base, x, ~touching
         self._spread = (float(x[1] - x[0]), step)
         # The field of a load that is a product of space and time is sampled only once.
-        self._parts: list[tuple[Array | None, InterfaceLoad | FrontLoad]] = []
+        self._parts: list[tuple[Array | None, InterfaceLoad | ActingFront]] = []
         for load in loads:
             if load.acts(of):
                 shape = None
@@ -68,7 +69,7 @@ class ActingLoads:
         """
         line, slot = self._base.copy(), self._base.copy()
         for shape, load in self._parts:
-            if isinstance(load, FrontLoad):
+            if isinstance(load, ActingFront):
                 value = load.traction(self._x, time, after, self._of, self._spread)
             elif shape is None:
                 value = moving(getattr(load, self._of), self._x, time, self._spread[0])
@@ -104,10 +105,10 @@ LOOKS = 66
 """Times until the end of a run at which loads are looked at, for their symmetry and identity."""
 
 
-def check_touching(interface: Interface, touching: NDArray[np.bool_]) -> None:
+def check_touching(scene: Scene, touching: NDArray[np.bool_]) -> None:
     """Raise SceneError unless a node lies on the contact."""
     if not touching.any():
-        least = in_fours(nodes_for_contact(interface))
+        least = in_fours(nodes_for_contact(scene))
         raise SceneError(f"run: no node lies on the contact; use {least} nodes or more.")
 
 
@@ -116,24 +117,25 @@ def times_of_loads(end_time: float) -> Array:
     return end_time * np.linspace(0.0, 1.0, LOOKS)[1:]
 
 
-def check_even(interface: Interface, grid: Grid, end_time: float) -> None:
+def check_even(
+    scene: Scene, loads: Sequence[InterfaceLoad | ActingFront], grid: Grid, end_time: float
+) -> None:
     """Raise SceneError if what is called even in x is not: each field at the nodes of the contact,
     each parameter of the law, and each load, also at times until an end time [time]."""
-    x, on = grid.x, grid.x[interface.contact.touches(grid.x)]
+    x, on = grid.x, grid.x[scene.contact.touches(grid.x)]
     given: list[tuple[str, Any, Array]] = [
-        ("contact", lambda at: 1.0 * interface.contact.touches(at), x),
-        ("shear", partial(sampled, "interface: shear", interface.shear), x),
+        ("contact", lambda at: 1.0 * scene.contact.touches(at), x),
+        ("shear", partial(sampled, "scene: shear", scene.base.shear), x),
     ]
-    names = ("pressure", "rate")
-    fields_along: list[tuple[str, Any]] = [(name, getattr(interface, name)) for name in names]
-    for part, called in ((interface.law, "friction"), (interface.adhesion, "adhesion")):
+    fields_along: list[tuple[str, Any]] = [("pressure", scene.base.pressure), ("rate", scene.rate)]
+    for part, called in ((scene.law, "friction"), (scene.adhesion, "adhesion")):
         if is_dataclass(part):
             parameters = [
                 (f"{called}: {one.name}", getattr(part, one.name)) for one in fields(part)
             ]
             fields_along += [(name, value) for name, value in parameters if callable(value)]
     given += [(name, partial(sampled, name, value), on) for name, value in fields_along]
-    for load in interface.loads:
+    for load in loads:
         given += [
             (f"{of} of a load", partial(load.traction, t=float(time), of=of), x)
             for of in ("shear", "pressure")
@@ -142,4 +144,4 @@ def check_even(interface: Interface, grid: Grid, end_time: float) -> None:
     for what, value, at in given:
         right, left = value(at), value(-at)
         if np.abs(right - left).max() > 1e-9 * max(np.abs(right).max(), np.abs(left).max()):
-            raise SceneError(f"interface: the {what} is not even in x; set even = false.")
+            raise SceneError(f"scene: the {what} is not even in x; set even = false.")

@@ -85,7 +85,7 @@ def _blocks(stepper: Stepper, now: State) -> EqualSteps:
         impedance=stepper.impedance,
         speed=stepper.speed,
         sweeps=stepper.sweeps,
-        plate_rate=stepper.interface.plate_rate,
+        plate_rate=stepper.scene.plate_rate,
     )
     blocks.recall(stepper.pressure)
     return blocks

@@ -3,45 +3,66 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.tuning import LARGEST_HORIZON
-from semianalytic.interface.interface import Interface
 from semianalytic.memory.cosines import cosines, from_cosines
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.memory.line_memory import Kernels, LineMemory
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.line.loads import InterfaceLoad
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
 
-def grid_of(
-    interface: Interface, nodes: int, shift: float | None = None, held: float = 0.0
-) -> Grid:
+def grid_of(scene: Scene, nodes: int, shift: float | None = None, held: float = 0.0) -> Grid:
     """Return the grid of an interface on a number of nodes of a period.
 
     It is moved by `shift` [length], or by what suits the ends of its contacts, which no grid of an
     even interface can be.
     """
-    contact = interface.contact
+    contact = scene.contact
     if shift is None:
-        shift = 0.0 if interface.even else contact.shift(interface.length, nodes)
+        shift = 0.0 if scene.even else contact.shift(scene.period, nodes)
     between = not contact.is_whole
-    return Grid(interface.length, nodes, between, interface.even, held, shift)
+    return Grid(scene.period, nodes, between, scene.even, held, shift)
 
 
-def fitting_nodes(interface: Interface, least: int, halvings: int) -> int:
+def with_period(scene: Scene, end_time: float) -> Scene:
+    """Return a scene with a period: by default so long that no wave comes back within a time.
+
+    Raises
+    ------
+    SceneError
+        If it has no period, and fields that vary along x, whose extent is not known.
+    """
+    if math.isfinite(scene.period):
+        return scene
+    loads = [one for one in scene.loads if isinstance(one, InterfaceLoad)]
+    tractions: list[Any] = [scene.base, *loads]
+    given = [one for part in tractions for one in (part.pressure, part.shear)]
+    parts = [*vars(scene.law).values(), *(vars(scene.adhesion).values() if scene.adhesion else ())]
+    if any(map(callable, (*given, *parts, scene.rate))):
+        raise SceneError("scene: fields vary along x; give the `period` of the line.")
+    ends = [abs(end) for part in scene.contact.intervals for end in part if math.isfinite(end)]
+    # waves from an end that the period has as well reach a quarter of it (`Run.caution`)
+    return replace(scene, period=2 * max(ends, default=0.0) + 4 * scene.fastest_speed * end_time)
+
+
+def fitting_nodes(scene: Scene, least: int, halvings: int) -> int:
     """Return the nodes, `least` or more, on which ends of contacts fit best, as grids can be moved.
 
     See `Contact.fitting_nodes`.
     """
-    return interface.contact.fitting_nodes(
-        interface.length, least, halvings, movable=not interface.even
-    )
+    return scene.contact.fitting_nodes(scene.period, least, halvings, movable=not scene.even)
 
 
 @dataclass(frozen=True)
@@ -126,17 +147,17 @@ class Grid:
 
 
 def memories(
-    interface: Interface, grid: Grid, end_time: float, tolerance: float
+    scene: Scene, grid: Grid, end_time: float, tolerance: float
 ) -> tuple[LineMemory, LineMemory | None, float]:
     """Return the memories of slip and opening, and the traction over wavenumber and slip [stress].
 
     That of opening is None where nothing opens.  `tolerance` is the relative error of the transform
     between identical bodies.
     """
-    material, pair = interface.material, interface.pair
+    material, pair = scene.material, pair_of(scene)
     speed = material.shear_speed if pair is None else pair.speed
     # The memory of an event with its echoes; later only the static stiffness acts.
-    reach = math.pi / grid.spacing * min(speed * end_time, 20.0 * interface.length)
+    reach = math.pi / grid.spacing * min(speed * end_time, 20.0 * scene.period)
     horizon = min(max(reach, 100.0), LARGEST_HORIZON)
     # rounded up to a power of 2, so that runs of different lengths share a fit
     horizon = min(2.0 ** math.ceil(math.log2(horizon)), LARGEST_HORIZON)
@@ -151,9 +172,9 @@ def memories(
         )
         return slip, gap, pair.stiffness
     ratio = material.shear_speed / material.longitudinal_speed
-    impedance = Antiplane() if interface.mode == "antiplane" else InPlane(ratio)
+    impedance = Antiplane() if scene.mode == "antiplane" else InPlane(ratio)
     memory = LineMemory(fit_memory(impedance, horizon, tolerance), *line)
     stiffness = impedance.static * material.shear_modulus / 2
-    if not interface.may_open:
+    if not scene.may_open:
         return memory, None, stiffness
     return memory, LineMemory(fit_memory(Opening(ratio), horizon, tolerance), *line), stiffness

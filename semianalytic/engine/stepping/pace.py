@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.interface.interface import Interface
-from semianalytic.interface.loads import FrontLoad, InterfaceLoad
+from semianalytic.dissimilar.kernels import pair_of
+from semianalytic.engine.stepping.fronts import ActingFront, acting_loads
+from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.scene import Scene
 from semianalytic.scene.tabulated import Tabulated
 
 Array = NDArray[np.float64]
@@ -40,7 +42,7 @@ class LoadPace:
 
     Parameters
     ----------
-    interface : Interface
+    scene : Scene
         The loads are its own.
     x : (n,) array
         Nodes, which lie at equal distances [length].
@@ -48,23 +50,23 @@ class LoadPace:
         Time until which functions are looked at [time].
     """
 
-    def __init__(self, interface: Interface, x: Array, end_time: float) -> None:
-        self._interface, self._x = interface, x
+    def __init__(self, scene: Scene, x: Array, end_time: float) -> None:
+        self._loads, self._x = acting_loads(scene), x
         self._times = _sample_times(end_time)
         spacing = float(x[1] - x[0])
         self._breaks: list[float] = []
         self._windows: list[LoadWindow] = []
-        for load, history in _histories(interface):
+        for load, history in _histories(self._loads):
             breaks = history.pieces.breaks
             first, last = breaks[0], breaks[-1]
             waves = [1 / wave.frequency for wave in history.pieces.waves]
             if waves and not _rests(history, last, min(waves)):
                 last = math.inf
-            slowness = load.slowness if isinstance(load, FrontLoad) else 0.0
+            slowness = load.slowness if isinstance(load, ActingFront) else 0.0
             if slowness:
                 # the front passes all nodes of a period one after the other
-                assert isinstance(load, FrontLoad)
-                ends = slowness * (np.array([-0.5, 0.5]) * interface.length - load.at)
+                assert isinstance(load, ActingFront)
+                ends = slowness * (np.array([-0.5, 0.5]) * scene.period - load.at)
                 first, last = first + float(ends.min()), last + float(ends.max())
                 self._windows.append(LoadWindow(first, last, abs(slowness) * spacing))
             else:
@@ -106,7 +108,7 @@ class LoadPace:
         It is found when it is first asked for: steps that are as short as they can be do not.
         """
         found = []
-        for load in self._interface.loads:
+        for load in self._loads:
             if not isinstance(load, InterfaceLoad):
                 continue
             if load.is_timed:
@@ -137,11 +139,11 @@ def in_fours(nodes: float) -> int:
     return 4 * math.ceil(nodes / 4)
 
 
-def nodes_for_contact(interface: Interface) -> float:
+def nodes_for_contact(scene: Scene) -> float:
     """Return how many nodes of a period resolve the narrowest contact or slot."""
     # Mean slip of a contact pushed from both sides is 9, 6, 0.3 and 0.1 % off with 2, 4, 8 and 16
     # nodes.
-    return 8 * interface.length / interface.contact.narrowest(interface.length)
+    return 8 * scene.period / scene.contact.narrowest(scene.period)
 
 
 def _follows(history: LoadHistory, step: float, latest: float) -> bool:
@@ -171,16 +173,17 @@ def longest_following(history: LoadHistory, step: float, latest: float) -> float
     return enough
 
 
-def nodes_for_histories(interface: Interface, end_time: float) -> float:
+def nodes_for_histories(scene: Scene, end_time: float) -> float:
     """Return how many nodes of a period follow the histories of all loads; inf if none do.
 
     A grid of node distance h follows a history that turns no more than `march` allows within steps
     h / (2 c_t) of the slower body.  Of a function of time 1001 values are looked at.
     """
-    speed = interface.material.shear_speed if interface.pair is None else interface.pair.speed
-    most = TURN_RATIO * interface.length / speed  # step times nodes
-    given = [history for _, history in _histories(interface)]
-    for load in interface.loads:
+    pair = pair_of(scene)
+    speed = scene.material.shear_speed if pair is None else pair.speed
+    most = TURN_RATIO * scene.period / speed  # step times nodes
+    given = [history for _, history in _histories(scene.loads)]
+    for load in scene.loads:
         if isinstance(load, InterfaceLoad) and load.is_timed:
             given.append(_sampled(load, end_time))
     needed = 1.0
@@ -209,9 +212,11 @@ def _sample_times(end_time: float) -> Array:
     return np.linspace(0.0, end_time, 1001)  # a wave of 60 periods has 16 of them in each
 
 
-def _histories(interface: Interface) -> Iterator[tuple[InterfaceLoad | FrontLoad, LoadHistory]]:
+def _histories(
+    loads: Iterable[InterfaceLoad | FrontLoad],
+) -> Iterator[tuple[InterfaceLoad | FrontLoad, LoadHistory]]:
     """Yield the loads that have a `LoadHistory`, and these; one without pieces is always 0."""
-    for load in interface.loads:
+    for load in loads:
         if isinstance(load.history, LoadHistory) and load.history.pieces.breaks:
             yield load, load.history
 

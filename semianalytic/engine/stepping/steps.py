@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
 from semianalytic.engine.stepping.balance import Balance, freed_rate
+from semianalytic.engine.stepping.fronts import acting_loads
 from semianalytic.engine.stepping.ladder import Ladder
 from semianalytic.engine.stepping.line import grid_of, memories
 from semianalytic.engine.stepping.means import check_feedback
@@ -18,13 +20,13 @@ from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.tuning import BOUND_SHARE
 from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.stepping.window import check_window
-from semianalytic.interface.contact import Adhesion
-from semianalytic.interface.fields import required
-from semianalytic.interface.interface import Interface
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.laws.law import check_law, check_rate
 from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.line.contact import Adhesion
+from semianalytic.scene.line.fields import required
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -34,7 +36,7 @@ class Stepper:
 
     Parameters
     ----------
-    interface : Interface
+    scene : Scene
         The interface to compute.
     nodes : int
         Nodes of a period.
@@ -48,7 +50,7 @@ class Stepper:
 
     def __init__(
         self,
-        interface: Interface,
+        scene: Scene,
         nodes: int,
         step_ratio: float,
         *,
@@ -61,49 +63,49 @@ class Stepper:
         longest: float = math.inf,
         shift: float | None = None,
     ) -> None:
-        material, contact = interface.material, interface.contact
-        held = 0.0 if interface.held == math.inf else 2 * math.pi / interface.held
-        self.interface, self.sweeps = interface, sweeps
-        self.grid = grid_of(interface, nodes, shift, held)
+        material, contact = scene.material, scene.contact
+        held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
+        self.scene, self.sweeps = scene, sweeps
+        self.grid = grid_of(scene, nodes, shift, held)
         x = self.grid.x
         self.touching = contact.touches(x)
-        check_touching(interface, self.touching)
+        check_touching(scene, self.touching)
         self._on = x[self.touching]
         spacing = self.grid.spacing
-        self.law = interface.law.on(self._on, spacing)
-        self.pressure = sampled("interface: pressure", interface.pressure, self._on, spacing)
-        required(
-            "interface: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on
-        )
+        self.law = scene.law.on(self._on, spacing)
+        self.pressure = sampled("scene: pressure", scene.base.pressure, self._on, spacing)
+        required("scene: pressure", self.pressure, self.pressure >= 0, "not be negative", self._on)
         # a slot carries base shear before the load, as if it were closed
-        self.shear = sampled("interface: shear", interface.shear, x, spacing)
-        self.pair, self.impedance = interface.pair, interface.impedance
+        self.shear = sampled("scene: shear", scene.base.shear, x, spacing)
+        self.pair, self.impedance = pair_of(scene), scene.impedance
+        stiff = material.density * material.longitudinal_speed / 2  # pressure per rate of the gap
+        if self.pair is not None:
+            self.impedance, stiff = self.pair.impedances
         self.speed = material.shear_speed if self.pair is None else self.pair.speed
         fastest = material.shear_speed if self.pair is None else self.pair.fastest
         self.shortest = step_ratio * self.grid.spacing / fastest
-        if interface.even:
-            check_even(interface, self.grid, end_time)
-        loads = interface.loads
+        loads = self.acting = acting_loads(scene)
+        if scene.even:
+            check_even(scene, loads, self.grid, end_time)
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self.balance = Balance(self.law, self.impedance, self.touching, self.grid)
-        self.memory, opening, stiffness = memories(interface, self.grid, end_time, tolerance)
+        self.memory, opening, stiffness = memories(scene, self.grid, end_time, tolerance)
         check_feedback("run", self.memory.table(self.shortest * self.speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest
             pressed = ActingLoads("pressure", base, loads, x, self.touching, step)
-            stiff = interface.opening_impedance
-            bonds = interface.adhesion and interface.adhesion.on(x, self.touching)
+            bonds = scene.adhesion and scene.adhesion.on(x, self.touching)
             self.unilateral = Unilateral(stiff, opening, self.grid, pressed, self.touching, bonds)
             if bonds is not None:
-                longest = min(longest, self._check_adhesion(bonds))
+                longest = min(longest, self._check_adhesion(bonds, stiff))
         self._has_slots = not self.touching.all()
         # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
         q = max(math.pi / spacing, held)
         self.ladder = Ladder(
             self.law,
             self.touching,
-            LoadPace(interface, x, end_time),
+            LoadPace(scene, x, end_time),
             self.unilateral,
             impedance=self.impedance,
             shortest=self.shortest,
@@ -114,15 +116,15 @@ class Stepper:
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
 
-    def _check_adhesion(self, bonds: Adhesion) -> float:
+    def _check_adhesion(self, bonds: Adhesion, stiff: float) -> float:
         """Return the longest step [time] in which adhesion may fall, or raise SceneError."""
         soft = float(np.max(bonds.strength / bonds.length))
         # the tension must fall by less than an opening rate takes off the pressure
-        longest = self.interface.opening_impedance / (2 * soft) if soft else math.inf
+        longest = stiff / (2 * soft) if soft else math.inf
         if self.shortest > longest:
             nodes = in_fours(self.grid.nodes * self.shortest / longest)
             raise SceneError(
-                f"interface: adhesion falls within a gap that this grid cannot follow; take {nodes}"
+                f"scene: adhesion falls within a gap that this grid cannot follow; take {nodes}"
                 " nodes or more, or a larger length."
             )
         return longest
@@ -136,17 +138,17 @@ class Stepper:
     def check_sliding(self) -> None:
         """Raise SceneError if friction between different bodies lets waves grow without bounds."""
         if self.pair is not None:
-            rate = np.abs(sampled("interface: rate", self.interface.rate, self._on))
+            rate = np.abs(sampled("scene: rate", self.scene.rate, self._on))
             check_window(self.pair, self.law, self.pressure, rate, self.grid.spacing)
 
     def begin(self) -> State:
         """Return the state at t = 0, just after loads that jump there."""
         count = len(self.grid.x)
         rate = np.zeros(count)
-        rate[self.touching] = sampled("interface: rate", self.interface.rate, self._on)
+        rate[self.touching] = sampled("scene: rate", self.scene.rate, self._on)
         against = rate[self.touching] * self.shear[self.touching] < 0
         words = "have the sense of `shear`, for friction opposes slip"
-        required("interface: rate", rate[self.touching], ~against, words, self._on)
+        required("scene: rate", rate[self.touching], ~against, words, self._on)
         state = np.asarray(
             self.law.start(self.pressure, self.shear[self.touching], np.abs(rate[self.touching])),
             dtype=float,
@@ -259,7 +261,7 @@ class Stepper:
             state, felt = self._evolved(now, mean, length, faces)
             rate, traction = self.balance(stopping, slot, state, felt, self._open(faces))
             if solved:
-                plate, load = self.interface.plate_rate, (line - slot) / self.impedance
+                plate, load = self.scene.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate
                 own = past[0], feedback[0]
                 rate = plate + freed_rate(self.grid, self.touching, moved, load, *own)
@@ -326,10 +328,10 @@ class Stepper:
         """Return the amplitudes of a slip rate (rows, m), which must not be changed."""
         # a step begins with the slip rate with which the one before has ended
         if self._latest[0] is not rate:
-            self._latest = rate, self.grid.amplitudes(rate - self.interface.plate_rate)
+            self._latest = rate, self.grid.amplitudes(rate - self.scene.plate_rate)
         return self._latest[1]
 
     def _stopping(self, line: Array, convolution: Array) -> Array:
         """Return the traction of nodes that do not move, given the convolution over the past."""
-        plate = self.interface.plate_rate
+        plate = self.scene.plate_rate
         return line - self.impedance * (self.grid.values(convolution) - plate)

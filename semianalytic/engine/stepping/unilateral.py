@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.line import Grid
-from semianalytic.interface.contact import Adhesion
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.line.contact import Adhesion
 
 Array = NDArray[np.float64]
 

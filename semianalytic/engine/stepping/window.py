@@ -49,11 +49,11 @@ def check_window(pair: BodyPair, law: Law, pressure: Array, speed: Array, spacin
     if delay == 0:
         verdict = sliding_stability(pair.upper, pair.lower, friction).verdict
         raise SceneError(
-            f"interface: friction {friction:.4g} between these bodies is {verdict} On this grid "
+            f"scene: friction {friction:.4g} between these bodies is {verdict} On this grid "
             f"`delay` of the friction law must be {_rounded_up(least)} or more."
         )
     raise SceneError(
-        f"interface: friction follows pressure with a delay of {delay:.3g}, which the grid "
+        f"scene: friction follows pressure with a delay of {delay:.3g}, which the grid "
         f"cannot resolve; raise it to {_rounded_up(least)} or divide the node distance by "
         f"{math.ceil(least / delay)}."
     )

@@ -5,34 +5,37 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from semianalytic.scene.checks import check_keys, check_numbers, checked_table
+from semianalytic.scene.checks import check_keys
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
 from semianalytic.scene.tables.text import text_of
+from semianalytic.scene.units import ARGUMENTS, PARAMETERS, SI, InSI, measure
 
-TABLES = {
-    "material": ("shear_modulus", "density", "poisson_ratio"),
-    "base": ("pressure", "shear"),
-    "load": ("pressure", "shear"),
-}
-LOWER_MATERIAL = "lower_material"
-OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-INTERFACE_KEY = "law"
-"""Key by which files of interfaces are known."""
-INTERFACE_HINT = (
-    "has contacts or fields along x, which the engine alone knows: slipfront solve, or `solve` in "
-    "Python (docs/engine.md)."
+_WITH_UNIT = re.compile(r"\s*[-+]?[\d.]+([eE][-+]?\d+)?\s*[A-Za-zµ°%][^(),*]*")
+"""A number and a unit, which no expression is."""
+NEEDED = ("material", "base")
+TABLES = (
+    *("load", "pressure_history", "shear_history", "friction_law", "lower_material"),
+    *("adhesion", "numbers", "run"),
 )
-WORDS = ("mode", "load_on", "units", "contact")
-"""Optional keys whose values are words; the scene checks them."""
+KEYS = (
+    *("friction", "mode", "load_on", "units", "contact", "summary"),
+    *("period", "rate", "plate_rate", "held", "even"),
+)
+_FORMER = {
+    "length": "period",
+    "law": "[friction_law]",
+    "pressure": "pressure in [base]",
+    "shear": "shear in [base]",
+}
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -52,38 +55,67 @@ def read_scene(path: str | Path) -> Scene:
     lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.  A
     table ``[lower_material]`` has the keys of ``[material]``, for the lower body.
 
+    A scene on a line has further keys (docs/engine.md): ``contact = {intervals = [[-1, 1]]}``,
+    ``period``, ``rate``, ``plate_rate``, ``held``, ``even``, several ``[[load]]`` with ``history``
+    and ``on``, ``[adhesion]``, ``[numbers]`` and ``[run]``; tractions, loads and parameters of laws
+    may be expressions of x or tables.  A number may have a unit, as in ``pressure = "5 MPa"``; all
+    numbers are then those of the SI.
+
     Raises
     ------
     SceneError
         If the file cannot be read, or if a key is missing, unknown, of the wrong type or out of
         range; the message names file and key.
     """
-    document = read_document(path)
-    if INTERFACE_KEY in document:
-        raise SceneError(f"{path} {INTERFACE_HINT}")
+    return scene_of_file(read_document(path), path)
+
+
+def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
+    """Return the scene of a document as `read_scene` does; the path is that of its file."""
     try:
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
-        needed = TABLES if "friction_law" in document else ("friction", *TABLES)
-        check_tables(document, needed, ("friction", *OPTIONAL_TABLES, *WORDS))
-        return scene_from_document(with_tables(path, document))
+        for key, now in _FORMER.items():
+            if key in document:
+                raise SceneError(f"unknown key {key}; write {now} (docs/engine.md).")
+        whole = "load" in document or any(key in document for key in ("period", "run", "rate"))
+        friction = () if "friction_law" in document else ("friction",)
+        needed = (*friction, *NEEDED, *(() if whole else ("load",)))
+        check_keys("", document, needed, [key for key in (*KEYS, *TABLES) if key not in needed])
+        document = with_units(document)
+        return scene_from_document(with_tables(path, document), Path(path).parent)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
 
 
-def check_tables(
-    document: Mapping[str, Any], needed: Collection[str], optional: Collection[str]
-) -> None:
-    """Raise SceneError for keys of a document and its tables that are unknown, missing or no
-    numbers; parts with a kind are checked where they are made."""
-    check_keys("", document, needed, optional)
-    tables = {*TABLES, *OPTIONAL_TABLES}
-    check_numbers("", document, (*WORDS, *tables))
-    for name in (one for one in document if one in tables):
-        table = checked_table(name, document[name])
-        keys = TABLES.get("material" if name == LOWER_MATERIAL else name)
-        if keys and "kind" not in table:
-            check_keys(f"{name}.", table, keys)
-            check_numbers(f"{name}.", table)
+def with_units(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a document whose numbers with units, as "5 MPa", are numbers of the SI.
+
+    Raises
+    ------
+    SceneError
+        If a unit is unknown, or of another dimension.
+    """
+    known: dict[str, str] = {**ARGUMENTS, **PARAMETERS, "strength": "stress", "intervals": "length"}
+    found = False
+
+    def converted(name: str, key: str, value: Any) -> Any:
+        nonlocal found
+        # tractions that grow, and forces at a point, are of other dimensions
+        if isinstance(value, Mapping) and value.get("kind") not in ("growing", "point-force"):
+            return {own: converted(f"{name}.{own}", own, one) for own, one in value.items()}
+        if isinstance(value, list) and key not in ("x", "values"):
+            return [converted(name, key, one) for one in value]
+        if not isinstance(value, str) or not _WITH_UNIT.fullmatch(value) or key not in known:
+            return value
+        try:
+            number = measure(value, known[key])
+        except SceneError as error:
+            raise SceneError(f"{name} {error}") from error
+        found = found or isinstance(number, InSI)
+        return float(number)
+
+    result = {key: converted(key, key, value) for key, value in document.items()}
+    return {"units": SI, **result} if found else result
 
 
 def read_document(path: str | PathLike[str]) -> dict[str, Any]:

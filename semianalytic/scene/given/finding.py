@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Mapping
 from functools import partial
 from os import PathLike, fspath
 from pathlib import Path
 
+from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import Function, taking_quantities
-from semianalytic.scene.given.files import INTERFACE_HINT, INTERFACE_KEY, read_document, read_scene
-from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
+from semianalytic.scene.given.files import read_scene, scene_of_file
+from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Scene
 
@@ -31,7 +33,14 @@ def find_scene(source: str | PathLike[str]) -> Scene:
 
 
 def check_slot(what: str, scene: Scene) -> None:
-    """Raise SceneError if a scene has no slot, or a load that grows: `solve` alone takes it."""
+    """Raise SceneError unless a scene is a slot beside a contact, under a load that does not grow:
+    `solve` alone takes others."""
+    if scene.on_line:
+        raise SceneError(
+            f"{what}: this knows a slot beside a contact alone, and the scene has {scene.on_line}, "
+            "which is marched along a line; use slipfront solve, or `solve` in Python "
+            "(docs/engine.md)."
+        )
     if not scene.has_slot or scene.grows:
         raise SceneError(
             f"{what}: this knows scenes with a slot alone, under loads that do not grow as a power "
@@ -72,8 +81,8 @@ def described_scene(source: str | PathLike[str]) -> Scene:
         return named.scene
     if is_file(source):
         return read_scene(source)
-    if source in INTERFACES:
-        raise SceneError(f"{source} {INTERFACE_HINT}")
+    if source in NAMED_LINES:
+        return scene_of_file(tomllib.loads(NAMED_LINES[source]), source)
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)
@@ -128,7 +137,7 @@ def of_scene(function: Function) -> Function:
 
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *INTERFACES)
+    own = (*NAMED_SCENES, *NAMED_LINES)
     return [*own, *plugin_names(SCENES, own)]
 
 
@@ -136,25 +145,6 @@ def is_file(source: str) -> bool:
     """Return whether a source is meant as a file, not as a name."""
     path = Path(source)
     return path.suffix == ".toml" or path.is_file()
-
-
-BODIES, INTERFACE = "bodies", "interface"
-"""Kinds of problems: scenes, and interfaces."""
-
-
-def kind_of(source: str) -> str:
-    """Return the kind of what a name or a file describes; `BODIES` for unknown names.
-
-    Raises
-    ------
-    SceneError
-        If it is a file that cannot be read.
-    """
-    if source in NAMED_SCENES:
-        return BODIES
-    if not is_file(source):
-        return INTERFACE if source in INTERFACES else BODIES
-    return INTERFACE if INTERFACE_KEY in read_document(source) else BODIES
 
 
 def brought_scene(plugin: Plugin) -> Scene:

@@ -57,7 +57,8 @@ def with_tables(path: str | Path, document: Mapping[str, Any]) -> dict[str, Any]
                 f"{part}: {FILE} must be the name of a table, got {shown(given[FILE])}."
             )
         table = Path(path).parent / given[FILE]
-        load = document["load"][part.removesuffix("_history")]
+        load = document["load"]
+        load = load.get(part.removesuffix("_history")) if isinstance(load, Mapping) else None
         times, values = _read(table, loads, finite(load) or 0.0, str(document.get("units", "")))
         result[part] = {"kind": "tabulated", "t": times, "value_at_t": values}
     return result

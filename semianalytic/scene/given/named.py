@@ -10,12 +10,6 @@ from semianalytic.scene.loading import REMOTE, GrowingLoad, Patch, PointForce
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions
 
-INTERFACES = (
-    *("rate-and-state", "punch", "two-slots", "rock-on-gouge", "steel-on-rubber", "cattaneo"),
-    *("supershear", "tpv101", "tpv205"),
-)
-"""Names of interfaces; that of "tap" is the scene."""
-
 
 @dataclass(frozen=True)
 class NamedScene:

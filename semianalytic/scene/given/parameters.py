@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import Field, fields
 from typing import Any, NamedTuple
 
-from semianalytic.scene.incident import IncidentWave, Load, MovingLoad
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.law import Law
+from semianalytic.scene.line.loads import FrontLoad
 from semianalytic.scene.loading import GrowingLoad, HalfLine, LineLoad, Patch, PointForce
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.units import PARAMETERS
@@ -73,8 +74,12 @@ _OF_PARTS: Mapping[str, Parameter] = {
 }
 
 
-def load_parameters(load: Load) -> Mapping[str, Parameter]:
+def load_parameters(load: Any) -> Mapping[str, Parameter]:
     """Return the parameters of a load by the keys of its document."""
+    if isinstance(load, tuple):  # that of the first one
+        return load_parameters(load[0]) if load else {}
+    if isinstance(load, FrontLoad):
+        return load_parameters(load.front)
     if isinstance(load, IncidentWave):
         return _WAVE
     if isinstance(load, GrowingLoad):

@@ -1,4 +1,4 @@
-"""Friction laws by the names that they have in files, and those that a scene takes."""
+"""Friction laws by the names that they have in files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _OTHER_WORDS: Mapping[str, str] = {
 }
 
 
-def law_from_table(name: str, table: Any, coefficient: Any = None, *, scene: bool = False) -> Law:
+def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
     """Return the law that a table with a kind and parameters describes.
 
     Parameters
@@ -43,25 +43,18 @@ def law_from_table(name: str, table: Any, coefficient: Any = None, *, scene: boo
         Its fields, and in place of `dynamic` also `reduction`, the part of `static` that is lost.
     coefficient : float, optional
         The friction coefficient at rest, where it stands outside the table.
-    scene : bool
-        Whether the law is that of a scene.
 
     Raises
     ------
     SceneError
-        If the kind or a key is unknown, a key is missing or given twice, a value is out of range,
-        or scenes do not take the law.
+        If the kind or a key is unknown, a key is missing or given twice, or a value is out of
+        range.
     """
     values = checked_table(name, table)
     kind = values.pop("kind", None)
     if isinstance(kind, str) and kind in _OTHER_WORDS:
         raise SceneError(f"{name}: {kind} is called {_OTHER_WORDS[kind]}; change its kind.")
     described: type[Law] = known_class(name, LAWS, Law, LAW_KINDS, kind)
-    if scene and not follows_path(described):
-        raise SceneError(
-            f"{name}: {kind} has a state other than the path, which the engine alone knows; give "
-            "an interface this law (docs/not_here.md)."
-        )
     own = coefficient_field(described)
     if coefficient is not None:
         if own is None or own in values:
@@ -107,8 +100,10 @@ def checked_friction(friction: object) -> float | Law:
     Raises
     ------
     SceneError
-        If it is neither, or a law that scenes do not take.
+        If it is neither, or negative.
     """
+    if callable(friction) and not isinstance(friction, Law):
+        friction = Coulomb(friction)  # a coefficient that varies along x
     if not isinstance(friction, Law):
         number = checked_number(
             "scene: friction", friction, "be a finite number or a law such as SlipWeakening"
@@ -116,11 +111,8 @@ def checked_friction(friction: object) -> float | Law:
         if number < 0:
             raise SceneError(f"scene: friction must not be negative, got {number}.")
         return number
-    if beyond := _beyond_scenes(friction):
-        raise SceneError(
-            f"scene: {type(friction).__name__} has {beyond}, which the engine alone knows; give "
-            "an Interface this law (docs/engine.md)."
-        )
+    if beyond_similarity(friction):
+        return friction
     if friction.coefficient < 0:
         raise SceneError(f"scene: friction must not be negative, got {friction.coefficient}.")
     if friction == Coulomb(friction.coefficient):
@@ -128,8 +120,8 @@ def checked_friction(friction: object) -> float | Law:
     return friction
 
 
-def _beyond_scenes(law: Law) -> str:
-    """Return what a law has that solvers of scenes do not know, or "" if they know all of it."""
+def beyond_similarity(law: Law) -> str:
+    """Return what a law has that a march along a line alone knows, in words, or ""."""
     if any(callable(one) or isinstance(one, np.ndarray) for one in vars(law).values()):
         return "parameters that vary along x"
     if not (follows_path(type(law)) and law.has_threshold):

@@ -18,12 +18,11 @@ from compare.output.places import check_file
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.named import described_interface
+from semianalytic.finding import find
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.fitting import fit
 from semianalytic.inversion.gauges import QUANTITIES
-from semianalytic.inversion.interfaces import interface_name
+from semianalytic.inversion.on_line import number_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.parameters.overriding import override_scene
@@ -31,7 +30,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.files import read_document
-from semianalytic.scene.given.finding import find_scene
+from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
@@ -97,7 +96,7 @@ def fit_command(
         ),
     ] = None,
     nodes: Annotated[
-        int | None, typer.Option(help="Nodes of one period, if the scene is an interface.")
+        int | None, typer.Option(help="Nodes of one period, if the scene is on a line.")
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw records, fit and parameters.")
@@ -108,25 +107,21 @@ def fit_command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit parameters of a scene, or of an interface, to the records of gauges.
+    """Fit parameters of a scene to the records of gauges.
 
     Values of the scene are the first guess; the search covers the plausible ranges of parameters,
     or those of their priors.  The exit code is 4 if the fit is unreliable.
     """
     require("slipfront fit", *(PLOT if plot else ()))
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
-    interface = described_interface(scene_name)
-    if interface is None:
-        if nodes is not None:
-            raise SceneError("--nodes has no effect on a scene; leave it out.")
-        check_known(names)
-    elif overrides:
-        given = ", ".join(map(option_name, overrides))
-        raise SceneError(f"{given}: an interface takes no other values here; change its file.")
+    scene = override_scene(find(scene_name), **overrides)
+    if scene.on_line:
+        names = tuple(number_name(scene, name) for name in names)
     else:
-        names = tuple(interface_name(interface.interface, name) for name in names)
-    scene: Scene | InterfaceFile
-    scene = interface or override_scene(find_scene(scene_name), **overrides)
+        check_slot(scene_name, scene)
+        if nodes is not None:
+            raise SceneError("--nodes has no effect on a scene with a slot; leave it out.")
+        check_known(names)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
     gauges, notes, unread = gauges_and_notes(
@@ -220,7 +215,7 @@ def _gauges_table(found: Fit, most: int = 12) -> PrintedTable:
     return table
 
 
-def _noise(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, float]:
+def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
     """Return standard deviations by quantity; the key "" stands for all quantities.
 
     A number with a unit and without a name stands for all quantities that have this unit.
@@ -265,7 +260,7 @@ def _sized(text: str, kind: str) -> float | None:
 
 
 def _numbers(
-    scene: Scene | InterfaceFile, option: str, given: Sequence[str], known: Sequence[str]
+    scene: Scene, option: str, given: Sequence[str], known: Sequence[str]
 ) -> dict[str, float]:
     """Parse NAME=NUMBER arguments, whose numbers may have units, into numbers by name."""
     result = {}
@@ -285,14 +280,14 @@ def _numbers(
     return result
 
 
-def _measured(scene: Scene | InterfaceFile, option: str, text: str, kind: str) -> float:
+def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
     """Return a number that may have a unit of a dimension, in the units of the scene."""
     number = measure(text, kind, si_size)
     in_scene = asked(scene, option, number, kind)
     return number if in_scene is None else in_scene
 
 
-def _places(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
+def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
     """Parse NAME=QUANTITY@X,Y arguments, some of which may be files of them, by name."""
     listed: list[str] = []
     for text in given:
@@ -317,7 +312,7 @@ def _places(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, tup
     return result
 
 
-def _priors(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, Prior]:
+def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
     """Parse NAME=KIND(A,B) arguments, whose numbers may have units, into priors by name."""
     result: dict[str, Prior] = {}
     for text in given:
@@ -326,8 +321,8 @@ def _priors(scene: Scene | InterfaceFile, given: Sequence[str]) -> dict[str, Pri
             raise _no_prior(text)
         name, kind = match[1].strip(), match[2].lower()
         # the second number of a log-normal prior is a factor
-        if isinstance(scene, InterfaceFile):
-            name = interface_name(scene.interface, name)
+        if scene.on_line:
+            name = number_name(scene, name)
         one = dimension(name, scene)
         kinds = one, "1" if kind == "lognormal" else one
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,19 +17,16 @@ from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.printed import PrintedTable
 from semianalytic import Scene, find
-from semianalytic.interface.named import NAMED_INTERFACES
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import (
-    BODIES,
     brought_scene,
     brought_summary,
-    described_scene,
     find_scene,
-    kind_of,
 )
-from semianalytic.scene.given.named import DEFAULT_SCENE, INTERFACES, NAMED_SCENES
+from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS
@@ -55,7 +53,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_INTERFACES),
+    SCENES: (*NAMED_SCENES, *NAMED_LINES),
     LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -96,10 +94,11 @@ def _own_rows() -> Iterator[dict[str, Any]]:
 
 
 def _other_rows() -> Iterator[dict[str, Any]]:
-    """Yield the problems that are no scenes, which solve takes; the JSON has no scene of them."""
-    for name in INTERFACES:
-        row = {"name": name, "what": "interface", "package": None, "problem": ""}
-        yield {**row, "summary": find(name).summary, "scene": None}
+    """Yield the scenes on a line."""
+    for name, text in NAMED_LINES.items():
+        row = {"name": name, "what": "on a line", "package": None, "problem": ""}
+        summary, document = tomllib.loads(text)["summary"], scene_document(find(name))
+        yield {**row, "summary": summary, "scene": document}
 
 
 def _what(scene: Scene) -> str:
@@ -183,15 +182,16 @@ def init(
     """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
-    if kind_of(from_) != BODIES:
+    scene = find(from_)
+    if scene.on_line:
         if units or material:
             raise SceneError(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        _write(file, _text_of(from_), {"scene": None, "units": {}}, force=force, as_json=as_json)
+        document = {"scene": scene_document(scene), "units": _units(scene)}
+        _write(file, _text_of(from_), document, force=force, as_json=as_json)
         return
-    scene = described_scene(from_)
     solid = None if material is None else find_solid(material)
     if units or solid:
         scene = in_si_units(scene, None if solid is None else solid.material)
@@ -202,9 +202,9 @@ def init(
 
 
 def _text_of(name: str) -> str:
-    """Return the TOML file of a problem that is no scene."""
-    if name in NAMED_INTERFACES:
-        return NAMED_INTERFACES[name].lstrip()
+    """Return the TOML file of a scene on a line."""
+    if name in NAMED_LINES:
+        return NAMED_LINES[name].lstrip()
     return text_of(Path(name))
 
 

@@ -132,7 +132,7 @@ def run_on(name, words="", instead=""):
     sheet = SHEETS[name]
     assert words in sheet.interface
     given = replace(sheet, interface=sheet.interface.replace(words, instead))
-    nodes = round(sheet.problem.interface.length * 60 / sheet.extent)
+    nodes = round(sheet.problem.period * 60 / sheet.extent)
     done = run_of(given, nodes, samples=5)
     rows = {one: done.at(getattr(done.interface, one), sheet.stations) for one in sheet.report}
     records = [

@@ -8,7 +8,7 @@ import pytest
 import semianalytic as sf
 from compare.comparison.interfaces import comparing
 from compare.comparison.interfaces.comparing import compare_interface, judge_interface
-from semianalytic.interface.named import find_interface
+from docs.studies.lines import scene_along
 from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
 
@@ -19,7 +19,7 @@ def push(x, t):
     return 0.2 * np.clip((0.3 * t - abs(x)) / 0.4 + 0.5, 0, 1)
 
 
-FAULT = sf.Interface(
+FAULT = scene_along(
     ROCK,
     sf.Coulomb(0.4),
     12.0,
@@ -50,8 +50,8 @@ def test_different_bodies_agree(judged):
     ("change", "kind"),
     [
         ({"material": GOUGE, "lower_material": ROCK}, "pressure"),
-        ({"law": sf.Coulomb(0.44)}, "slip"),
-        ({"shear": -0.3}, "slip"),
+        ({"friction": 0.44}, "slip"),
+        ({"base": sf.Tractions(FAULT.base.pressure, -0.3)}, "slip"),
         ({"lower_material": None}, "slip"),
     ],
 )
@@ -72,7 +72,7 @@ def test_slots_openings_and_halves_agree():
         pressure=lambda x, t: -2 * np.exp(-4 * x**2) * min(2 * t, 1), history=None
     )
     pair, slotted, lifted = (
-        sf.Interface(solid, sf.Coulomb(0.3), 12.0, **given)
+        scene_along(solid, sf.Coulomb(0.3), 12.0, **given)
         for given in (
             {
                 "loads": [sf.InterfaceLoad(1.0, on="slot")],
@@ -94,8 +94,7 @@ def test_slots_openings_and_halves_agree():
 
 
 def test_a_contact_that_opens_beside_a_slot_agrees():
-    tap = find_interface("tap")
-    judged = compare_interface(tap.interface, tap.end_time, 256)
+    judged = compare_interface(replace(sf.find("tap"), period=10.0), 1.0, 256)
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows} == {"gap", "pressure", "local", "law"}
 
@@ -176,7 +175,7 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
 def test_contacts_that_stick_are_decided_by_their_tractions(contact):
     load = sf.InterfaceLoad(lambda x: 0.3 * np.exp(-(x**2) / 0.3))
     where = {} if contact is None else {"contact": contact}
-    face = sf.Interface(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
+    face = scene_along(ROCK, sf.Coulomb(0.9), 10.0, shear=0.05, loads=[load], **where)
     judged = compare_interface(face, 1.0, mesh_nodes=None if contact else 128)
     assert judged.prediction.status == "done"
     assert judged.verdict == "agrees"
@@ -186,7 +185,7 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
         "nodes": judged.prediction.nodes,
         "times": list(judged.prediction.interface.t),
     }
-    wrong = sf.solve(replace(face, shear=0.06), **given)
+    wrong = sf.solve(replace(face, base=sf.Tractions(1.0, 0.06)), **given)
     shown = judge_interface(
         changed(judged.prediction, shear_traction=wrong.interface.shear_traction),
         list(judged.case.simulations),
@@ -197,12 +196,12 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
 def test_rate_and_state_friction_agrees():
     law = sf.RateAndState(a=0.02, b=0.03, f0=0.6, v0=1e-3, distance=0.2)
     load = sf.InterfaceLoad(lambda x: 0.5 * np.exp(-(x**2)), history=lambda t: min(t, 1.0))
-    fault = sf.Interface(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
+    fault = scene_along(ROCK, law, 12.0, shear=0.55, rate=1e-6, loads=[load])
     judged = compare_interface(fault, 2.0, 128)
     assert {row.verdict for row in judged.rows} == {"agrees"}
     assert judged.rows[0].difference < 0.02
     wrong = sf.solve(
-        replace(fault, law=replace(law, evolution="slip")),
+        replace(fault, friction=replace(law, evolution="slip")),
         end_time=2.0,
         nodes=128,
         times=list(judged.prediction.interface.t),
@@ -214,15 +213,13 @@ def test_rate_and_state_friction_agrees():
     ("change", "options", "words"),
     [
         ({}, {"mesh_nodes": 100}, "mesh_nodes must be a multiple of 4 that divides"),
-        (None, {}, "must be an Interface"),
-        ({"law": sf.Coulomb(0.9)}, {}, "between these bodies is ill-posed"),
+        ({"friction": 0.9}, {}, "between these bodies is ill-posed"),
         ({"held": 3.0}, {}, "holds the mean slip"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(change, options, words):
-    face = None if change is None else replace(FAULT, **change)
     with pytest.raises(SceneError, match=words):
-        compare_interface(face, 2.0, 256, **options)
+        compare_interface(replace(FAULT, **change), 2.0, 256, **options)
 
 
 COMMON = ["compare", "rock-on-gouge", "--nodes", "256", "--end-time", "1e-3", "--quiet"]
@@ -248,8 +245,8 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--resolution", "128"], "is for scenes; leave it out"),
-        (["--from", "a"], "is for scenes; leave it out"),
+        (["--resolution", "128"], "is for scenes with a slot; leave it out"),
+        (["--from", "a"], "is for scenes with a slot; leave it out"),
         (["--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
     ],
 )
@@ -262,7 +259,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         comparing,
         "line_of",
-        lambda one, *grid: honest(replace(one, law=sf.Coulomb(0.3)), *grid),
+        lambda one, *grid: honest(replace(one, friction=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())
@@ -271,9 +268,9 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
 def test_an_interface_on_which_nothing_happens_agrees(tmp_path, capsys):
     path = tmp_path / "quiet.toml"
     path.write_text(
-        "length = 16.0\nshear = 0.1\n"
+        "period = 16.0\ncontact = 'whole line'\nfriction = 0.3\n"
         "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
-        "[law]\nkind = 'coulomb'\nfriction = 0.3\n[run]\nend_time = 0.5\nnodes = 64\n"
+        "[base]\npressure = 1.0\nshear = 0.1\n[run]\nend_time = 0.5\nnodes = 64\n"
     )
     main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())

@@ -294,7 +294,7 @@ def test_a_name_is_solved(name, edges, opening):
 def test_what_knows_identical_bodies_only_names_what_can(name):
     with pytest.raises(sf.SceneError, match="slipfront solve or survey"):
         sf.sweep(name, [0.3])
-    with pytest.raises(sf.SceneError, match="space-time is for a Scene or Interface"):
+    with pytest.raises(sf.SceneError, match="space-time is for a Scene, or"):
         sf.solve(name, method="space-time", end_time=1.0)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.stepping.steps import Stepper
 from tests.semianalytic.engine.runs import one_run
 
@@ -17,16 +18,18 @@ def pulled(tension, adhesion, pressure=0.5, length=1.0, law=None, history=None, 
     """An interface under a tension that acts everywhere."""
     load = sf.InterfaceLoad(pressure=-tension, **({"history": history} if history else {}))
     law = law or sf.Coulomb(0.3)
-    return sf.Interface(ROCK, law, length, pressure, loads=[load], adhesion=adhesion, **more)
+    return scene_along(ROCK, law, length, pressure, loads=[load], adhesion=adhesion, **more)
 
 
 def parting(face, tension, t):
     """Gap (n,) at times t (n,): Z g' = tension - pressure - strength (1 - g / length)."""
-    bonds, z = face.adhesion, face.opening_impedance
-    rest, soft = tension - face.pressure - bonds.strength, bonds.strength / bonds.length
+    bonds, z = face.adhesion, face.material.density * face.material.longitudinal_speed / 2
+    rest, soft = tension - face.base.pressure - bonds.strength, bonds.strength / bonds.length
     apart = z / soft * math.log(1 + soft * bonds.length / rest)
     together = rest / soft * np.expm1(soft * np.minimum(t, apart) / z)
-    return np.where(t > apart, bonds.length + (tension - face.pressure) / z * (t - apart), together)
+    return np.where(
+        t > apart, bonds.length + (tension - face.base.pressure) / z * (t - apart), together
+    )
 
 
 def test_faces_under_uniform_tension_part_as_in_closed_form():
@@ -70,7 +73,7 @@ def test_adhesion_without_strength_is_none():
     )
     runs = []
     for adhesion in (None, sf.Adhesion(0.0, 0.1)):
-        face = sf.Interface(ROCK, sf.Coulomb(0.3), 16.0, 1.0, 0.1, loads=[burst], adhesion=adhesion)
+        face = scene_along(ROCK, sf.Coulomb(0.3), 16.0, 1.0, 0.1, loads=[burst], adhesion=adhesion)
         runs.append(one_run(face, 2.5, 64))
     assert runs[0].interface.gap.max() > 0.1
     for name in ("gap", "pressure", "slip", "shear_traction"):
@@ -80,7 +83,7 @@ def test_adhesion_without_strength_is_none():
 def test_what_has_parted_carries_no_tension_when_it_has_closed():
     pull = sf.Pulse(0.5)
     again = sf.InterfaceLoad(pressure=lambda x, t: -0.8 * (t > 4) + 0 * x, history=None)
-    face = sf.Interface(
+    face = scene_along(
         *(ROCK, sf.Coulomb(0.3), 1.0, 0.5),
         loads=[sf.InterfaceLoad(pressure=-3.0, history=pull), again],
         adhesion=sf.Adhesion(1.0, 0.1),
@@ -106,7 +109,7 @@ def test_adhesion_gives_back_no_more_than_it_took(seed):
         return -waves.sum(axis=1) * min(t, 1.0)
 
     load = sf.InterfaceLoad(pressure=pressure, history=None)
-    face = sf.Interface(
+    face = scene_along(
         *(ROCK, sf.Coulomb(0.3), 8.0, 0.3, 0.2), loads=[load], adhesion=sf.Adhesion(1.0, 0.3)
     )
     stepper = Stepper(face, 64, 0.4, end_time=4.0)

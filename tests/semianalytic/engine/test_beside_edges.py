@@ -7,6 +7,7 @@ import pytest
 from dissimilar_pairs import PAIRS, ROCK
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from tests.semianalytic.engine.runs import one_run
 
 PRESSURE = 1e4
@@ -17,7 +18,7 @@ def slotted(upper, friction, length, parts, nodes, load=(0.0, 1.0), **given):
     """A run to t = 1 of contacts beside slots that carry a load (P_0, Q_0)."""
     loads = [sf.InterfaceLoad(load[1], on="slot", **({"pressure": load[0]} if load[0] else {}))]
     given = {"pressure": PRESSURE, "contact": sf.Contact(parts), "loads": loads, **given}
-    face = sf.Interface(upper, sf.Coulomb(friction), length, **given)
+    face = scene_along(upper, sf.Coulomb(friction), length, **given)
     return one_run(face, 1.0, nodes, times=[1.0])
 
 
@@ -44,7 +45,7 @@ def errors(pair, load, nodes, side=1, friction=0.005):
     done = held(pair, load, nodes, side, friction)
     reading = done.beside_edge(0.0)
     mirrored = load[0], side * load[1]  # x and shear change sign together
-    place, step = reading.distance[:8], done.scene.length / nodes
+    place, step = reading.distance[:8], done.scene.period / nodes
     found = side * reading.shear_traction[:8] + 1j * (PRESSURE - reading.pressure[:8])
     on = np.flatnonzero(done.interface.touching & (side * done.interface.x > 0))[::side][:8]
     raw = side * done.interface.shear_traction[-1, on] + 1j * (
@@ -109,7 +110,7 @@ def test_tractions_beside_pressed_slots_are_within_their_errors(pressure):
     half = {"contact": sf.Contact.half_line(), "pressure": 1.0, "loads": [push]}
     times = [0.3, 0.9]
     done = sf.solve(
-        sf.Interface(solid, sf.Coulomb(0.4), 16.0, **half), end_time=0.9, nodes=512, times=times
+        scene_along(solid, sf.Coulomb(0.4), 16.0, **half), end_time=0.9, nodes=512, times=times
     )
     on = done.interface.touching & (done.interface.x < 4)
     known = exact.history(done.interface.x[on], times)

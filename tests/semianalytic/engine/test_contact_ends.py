@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.stepping.balance import freed_rate
 from semianalytic.engine.stepping.line import Grid
-from semianalytic.interface.contact import Contact
-from semianalytic.interface.fields import Table, at_nodes
 from semianalytic.scene.laws.sampling import moving, sampled
+from semianalytic.scene.line.contact import Contact
+from semianalytic.scene.line.fields import Table, at_nodes
 from tests.semianalytic.engine.runs import one_run
 
 STRIP = Contact([(-2.0, 2.0)])
@@ -28,7 +29,7 @@ NODES = 0.1 * np.arange(-20, 21)
 def punch():
     solid = sf.Material(1.0, 1.0, 0.3)
     shape = {"contact": STRIP, "pressure": 1.0, "even": True, "loads": [sf.InterfaceLoad(0.2)]}
-    return sf.Interface(solid, sf.Coulomb(0.4), 20.0, **shape)
+    return scene_along(solid, sf.Coulomb(0.4), 20.0, **shape)
 
 
 def off(one, truth):
@@ -98,7 +99,7 @@ def test_a_grid_is_moved_with_the_interface(nodes):
         loads = [sf.InterfaceLoad(lambda x: 0.9 * np.exp(-((x - by - 0.3) ** 2)))]
         base = {"pressure": lambda x: 1 + 0.1 * np.cos(np.pi * (x - by) / 10), "loads": loads}
         contact = Contact([(by - 2.1234, by + 3.3)])
-        return sf.Interface(
+        return scene_along(
             sf.Material(1.0, 1.0, 0.3), sf.Coulomb(0.4), 20.0, contact=contact, **base
         )
 
@@ -135,7 +136,7 @@ def test_slip_between_ends_anywhere_is_within_its_error():
             sf.Material(1.0, 1.0, rng.uniform(-0.4, 0.4)),
             sf.Coulomb(rng.uniform(0.2, 0.4)),
         )
-        face = sf.Interface(solid, law, 16.0, contact=Contact([ends]), loads=[load])
+        face = scene_along(solid, law, 16.0, contact=Contact([ends]), loads=[load])
         most = face.contact.fitting_nodes(16.0, 2900, 1, movable=True)
         done, truth = (
             sf.solve(face, end_time=2.0, times=[2.0]),
@@ -169,7 +170,7 @@ def test_displaced_ends_are_told_and_estimated(truth):
             assert "node distances from where the grid has it; choose" in done.caution
             assert 1e-2 < error < done.error_estimates["slip"]
     assert "choose 520 nodes" in done.caution
-    odd = replace(punch(), length=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
+    odd = replace(punch(), period=7.3, even=False, contact=Contact([(-1, 2**0.5)]))
     assert "choose 72 nodes" in one_run(odd, 0.1, 68).caution
     assert "choose a period" in one_run(odd, 0.1, 64).caution
 
@@ -178,13 +179,13 @@ def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
     """Two grids that share no node of the contact have nothing to compare."""
     push = sf.InterfaceLoad(0.5, on="slot")
     material, law = sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.05)
-    face = sf.Interface(material, law, 16.0, loads=[push], contact=sf.Contact([(-0.11, 0.11)]))
+    face = scene_along(material, law, 16.0, loads=[push], contact=sf.Contact([(-0.11, 0.11)]))
     words = r"unresolved: a contact or slot of width 0\.22 has 2\.2 nodes; use 584 nodes or more"
     assert re.match(words, sf.solve(face, end_time=0.2, nodes=160).status)
     assert sf.solve(face, end_time=0.2, estimate=False).nodes >= 584
     with pytest.raises(sf.SceneError, match="no node lies on the contact; use 584 nodes or more"):
         sf.solve(face, end_time=0.2, nodes=64)
-    slot = sf.Interface(
+    slot = scene_along(
         material, law, 16.0, loads=[push], contact=sf.Contact([(-6, -0.05), (0.05, 6)])
     )
     assert "has 0.8 nodes" in one_run(slot, 0.2, 128).status
@@ -192,7 +193,7 @@ def test_a_contact_of_few_nodes_is_unresolved_and_gets_enough_by_default():
 
 def test_nothing_is_known_beyond_the_period():
     done = sf.solve(
-        sf.Interface(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), end_time=0.1, nodes=16
+        scene_along(sf.Material(1.0, 1.0, 0.25), sf.Coulomb(0.3), 16.0), end_time=0.1, nodes=16
     )
     assert np.isnan(done.at(done.interface.slip, [-8.1, 0.0, 100.0])).tolist()[-1] == [
         True,
@@ -224,7 +225,7 @@ def test_slots_carry_nothing_whatever_the_contact_does(even):
 )
 def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
     push = sf.InterfaceLoad(lambda x: 3e5 * (abs(x) < 3), history=lambda t: min(t / 0.1, 1.0))
-    face = sf.Interface(
+    face = scene_along(
         *(ROCK, LAW, 16.0),
         **{"pressure": 5e6, "shear": 3e6, "rate": 1e-6, "plate_rate": plate, "loads": [push]},
         contact=sf.Contact(contact),
@@ -254,7 +255,7 @@ def test_the_file_of_the_page_runs(tmp_path, monkeypatch):
     table = "x [m],pressure [MPa]\n-8,4.8\n0,5\n8,4.8\n"
     (tmp_path / "pressure.csv").write_text(table, encoding="utf-8")
     found = sf.find(tmp_path / "fault.toml")
-    done = sf.solve(found.interface, end_time=found.end_time, **found.options)
+    done = sf.solve(found)
     assert done.status == "done"
     assert done.steps < 2000
 
@@ -319,7 +320,7 @@ def test_a_law_takes_means_but_of_barriers():
 def patch(contact, friction=0.4):
     loads = [sf.InterfaceLoad(lambda x: 0.8 * (abs(x - 3) < 1))]
     solid = sf.Material(1.0, 1.0, 0.3)
-    return sf.Interface(
+    return scene_along(
         solid, sf.Coulomb(friction), 20.0, contact=contact, pressure=1.0, loads=loads
     )
 
@@ -347,7 +348,7 @@ def test_slip_of_a_patch_does_not_depend_on_where_its_ends_meet_the_grid(contact
 
 @pytest.mark.parametrize(
     ("length", "status", "caution"),
-    [(20.0, "done", ""), (14.0, "done", "arrived beyond"), (6.0, "unresolved", "raise `length`")],
+    [(20.0, "done", ""), (14.0, "done", "arrived beyond"), (6.0, "unresolved", "raise `period`")],
 )
 def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
     length, status, caution
@@ -356,7 +357,7 @@ def test_a_half_line_is_one_until_waves_come_back_from_the_end_of_its_period(
     scene = sf.find("preloaded")
     loads = [sf.InterfaceLoad(scene.load.shear, on="slot")]
     half = {"contact": Contact.half_line(), "loads": loads, "pressure": 1.0}
-    face = sf.Interface(scene.material, sf.Coulomb(scene.friction), length, **half)
+    face = scene_along(scene.material, sf.Coulomb(scene.friction), length, **half)
     done = sf.solve(face, end_time=2.0, nodes=int(32 * length))
     assert done.status.startswith(status), done.status
     assert caution in done.caution

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
-from semianalytic.interface.hilbert import comes_back, transformed
+from semianalytic.engine.stepping.fronts import ActingFront
+from semianalytic.engine.stepping.hilbert import comes_back, transformed
 from tests.semianalytic.engine.runs import one_run
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
@@ -25,7 +27,7 @@ def beside_slot(load, mode="in-plane", nodes=512, at=0.0, length=12.0):
     scene = sf.Scene(THIRD, friction=0.3, base=sf.Tractions(1.0, 0.0), load=load, mode=mode)
     begun = -load.slowness(THIRD) * at
     loads = [sf.FrontLoad(load, at=at)]
-    face = sf.Interface(THIRD, sf.Coulomb(0.3), length, 1.0, 0.0, loads, HALF, mode)
+    face = scene_along(THIRD, sf.Coulomb(0.3), length, 1.0, 0.0, loads, HALF, mode)
     return one_run(face, begun + 1, nodes, times=[begun + 1]), sf.solve(scene)
 
 
@@ -59,23 +61,23 @@ def test_a_wave_at_no_angle_is_a_load_of_the_line():
     shear = wave.tractions(THIRD).shear
     runs = []
     for load in (wave, sf.InterfaceLoad(shear)):
-        face = sf.Interface(THIRD, sf.Coulomb(0.3), 8.0, loads=[load], contact=HALF, even=False)
+        face = scene_along(THIRD, sf.Coulomb(0.3), 8.0, loads=[load], contact=HALF, even=False)
         runs.append(one_run(face, 1.0, 64))
     assert runs[0].interface.slip.max() > 0.01 or runs[0].interface.slip.min() < -0.01
     assert runs[0].interface.slip == pytest.approx(runs[1].interface.slip, abs=1e-12)
 
 
 def test_a_front_is_the_mean_of_its_load_over_a_node_distance():
-    wave = sf.FrontLoad(sf.IncidentWave("SH", -30.0, stress=2.0), at=4.0).of(THIRD)
+    wave = ActingFront(sf.IncidentWave("SH", -30.0, stress=2.0), at=4.0, material=THIRD)
     x = np.linspace(-4, 4, 161)
     step, smooth = wave.traction(x, 1.0), wave.traction(x, 1.0, spread=(0.5, 0.0))
     assert set(step) == {0.0, step[-1]}
     middle = np.abs(x - 2) < 0.25
     assert smooth[middle] == pytest.approx(step[-1] * ((x - 2) / 0.5 + 0.5)[middle])
     assert smooth.sum() == pytest.approx(step.sum(), abs=abs(step[-1]))  # one node
-    away = sf.FrontLoad(sf.MovingLoad(2.0, 0.5, 1.0)).of(THIRD)
+    away = ActingFront(sf.MovingLoad(2.0, 0.5, 1.0), material=THIRD)
     assert away.traction([-2.5, -1.5, 0.5], 1.0, of="pressure").tolist() == [0.0, 0.5, 0.0]
-    comes = sf.FrontLoad(sf.MovingLoad(-2.0, 0.5, 1.0), at=-1.0).of(THIRD)
+    comes = ActingFront(sf.MovingLoad(-2.0, 0.5, 1.0), at=-1.0, material=THIRD)
     assert comes.traction([-1.5, 0.5, 1.5], 1.0).tolist() == [1.0, 1.0, 0.0]
 
 
@@ -171,7 +173,7 @@ def test_a_wave_meets_faces_that_slide_freely(wave):
     """
     at, length, end, nodes = 6.0, 16.0, 1.2, 1024
     load = sf.FrontLoad(wave, at=at)
-    face = sf.Interface(HARD, sf.Coulomb(0.0), length, loads=[load], lower_material=SOFT)
+    face = scene_along(HARD, sf.Coulomb(0.0), length, loads=[load], lower_material=SOFT)
     done = one_run(face, end, nodes, times=[end])
     assert done.interface.gap.max() == 0.0
     slow, width = wave.slowness(SOFT), length / nodes
@@ -188,7 +190,7 @@ def test_a_wave_beyond_a_critical_angle_shows_before_its_front():
     wave, at, end = sf.IncidentWave("P", 50.0, stress=0.2), -3.0, 2.0
     load = sf.FrontLoad(wave, sf.Pulse(0.6, "triangle"), at=at)
     stuck = sf.Coulomb(0.1, cohesion=9.0)
-    face = sf.Interface(HARD, stuck, 16.0, loads=[load], lower_material=SOFT)
+    face = scene_along(HARD, stuck, 16.0, loads=[load], lower_material=SOFT)
     done = one_run(face, end, 256, times=[end])
     assert np.abs(done.interface.slip).max() == 0.0
     t = (np.arange(2**16) - 2**15) / 256

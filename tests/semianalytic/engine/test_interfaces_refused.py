@@ -7,7 +7,8 @@ import pytest
 
 import semianalytic as sf
 from compare.comparison.interfaces.comparing import line_of
-from semianalytic.interface.fields import Expression
+from docs.studies.lines import scene_along
+from semianalytic.scene.line.fields import Expression
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 CREEPING = {
@@ -22,7 +23,7 @@ LATE = sf.InterfaceLoad(lambda x, t: 0.1 * (x > 1) * (t > 0.3), history=None)
 
 def face(**changes):
     """A sound interface of unit material but for what is changed."""
-    return sf.Interface(**{"material": UNIT, "law": sf.Coulomb(0.3), "length": 16.0} | changes)
+    return scene_along(**{"material": UNIT, "law": sf.Coulomb(0.3), "period": 16.0} | changes)
 
 
 def under_history(text):
@@ -42,8 +43,8 @@ def wave_beyond_a_critical_angle(history):
         ({"pressure": sf.Table([-1.0, 1.0], [1.0, 1.0])}, "must cover the contact"),
         ({"law": sf.RateAndState(0.01, 0.01, 0.6, 1e-6, 1.0)}, "give `theta`"),
         ({"mode": "III"}, "in-plane or antiplane"),
-        ({"length": 0.0}, "length must be positive"),
-        ({"contact": sf.Contact([(9, 12)])}, "9 to 12 leaves the period, -8 to 8; raise `length`"),
+        ({"period": 0.0}, "period must be positive"),
+        ({"contact": sf.Contact([(9, 12)])}, "9 to 12 leaves the period, -8 to 8; raise `period`"),
         ({"contact": sf.Contact([(0.01, 0.02)])}, "no node lies on .*; use 12800 nodes or more"),
         # friction opposes slip: it begins in the sense of the base shear
         (
@@ -60,7 +61,7 @@ def wave_beyond_a_critical_angle(history):
             for text in ("1/t", "log(t-1)")
         ),
         # loads of pressure
-        ({"mode": "antiplane", "loads": [PULL]}, "antiplane interface have no pressure"),
+        ({"mode": "antiplane", "loads": [PULL]}, "antiplane line have no pressure"),
         (
             {"loads": [sf.InterfaceLoad(pressure=lambda x: x[:3])]},
             "load: pressure: the function of x must return 128 numbers",
@@ -134,7 +135,7 @@ def test_what_is_called_even_has_to_be(changes, what):
         ),
         (
             lambda: sf.solve(face(), end_time=0.1, nodes=128, foo=1),
-            "foo is no setting of space-time for an Interface",
+            "foo is no setting of space-time for a scene on a line",
         ),
         (
             lambda: line_of(face(loads=[PULL], adhesion=sf.Adhesion(1.0, 0.5)), 16),

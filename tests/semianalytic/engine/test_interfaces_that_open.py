@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import semianalytic as sf
 from docs.studies.accuracy.engine import beside_slot
+from docs.studies.lines import scene_along
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory
@@ -50,7 +51,7 @@ def test_the_fitted_kernel_in_time():
 def test_a_whole_face_lifts_flies_and_lands():
     """Pressure 1 - 3 until t = 1: the gap grows at 2/Z, then shrinks at 1/Z until t = 3."""
     load = sf.InterfaceLoad(pressure=-3.0, history=sf.Pulse(1.0))
-    face = sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, loads=[load])
+    face = scene_along(SOLID, sf.Coulomb(0.5), 8.0, loads=[load])
     done = run(face, 4.0, 32, times=[0.5, 1.0, 2.0, 2.9, 3.5], estimate=False)
     assert done.interface.gap[:4, 0] * STIFF == pytest.approx([1.0, 2.0, 1.0, 0.1], abs=1e-12)
     assert np.ptp(done.interface.gap, axis=1).max() < 1e-14
@@ -68,7 +69,7 @@ def test_a_slot_under_slow_pressure_has_the_static_width():
         pressure=pressure, on="slot", history=lambda t: min(t / 32, 1) ** 2 * (3 - min(t / 16, 2))
     )
     contact = sf.Contact([(-math.inf, -1.0), (1.0, math.inf)])
-    face = sf.Interface(SOLID, sf.Coulomb(0.5), length, 9.0, loads=[load], contact=contact,
+    face = scene_along(SOLID, sf.Coulomb(0.5), length, 9.0, loads=[load], contact=contact,
                         even=True)  # fmt: skip
     done = run(face, 50.0, 128, step_ratio=0.5, times=[50.0], estimate=False)
     slot = ~done.interface.touching
@@ -130,7 +131,7 @@ def burst(law, **more):
         return -3 * np.exp(-2 * x**2) * np.exp(-4 * (t - 1.5) ** 2)
 
     load = sf.InterfaceLoad(pressure=pressure, history=None)
-    return sf.Interface(SOLID, law, 16.0, 1.0, loads=[load], **more)
+    return scene_along(SOLID, law, 16.0, 1.0, loads=[load], **more)
 
 
 def test_opening_and_closing_give_no_energy():
@@ -164,7 +165,7 @@ def test_contact_never_pulls_and_never_overlaps(size, width, duration, ratio):
         return -size * np.exp(-((x / width) ** 2)) * np.sin(t / duration)
 
     load = sf.InterfaceLoad(pressure=pressure, history=None)
-    face = sf.Interface(SOLID, sf.Coulomb(0.5, cohesion=0.2), 8.0, shear=0.4, loads=[load])
+    face = scene_along(SOLID, sf.Coulomb(0.5, cohesion=0.2), 8.0, shear=0.4, loads=[load])
     opened = False
     for stepper, _, now in marched(face, 64, 2.0, ratio):
         assert (now.pressure * now.gap_rate).max() <= 0
@@ -183,7 +184,7 @@ def test_contact_never_pulls_and_never_overlaps(size, width, duration, ratio):
 def test_friction_follows_the_pressure_of_the_moment():
     """A pressure that rises closes a fault that slips, one that falls lets it slip; q = 0 only."""
     load = sf.InterfaceLoad(pressure=1.0, history=lambda t: math.sin(t))
-    fault = sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, 2.0, 1.2, loads=[load])
+    fault = scene_along(SOLID, sf.Coulomb(0.5), 8.0, 2.0, 1.2, loads=[load])
     for stepper, _, now in marched(fault, 16, 6.0):
         known = max(1.2 - 0.5 * (2 + math.sin(now.time)), 0.0) / stepper.impedance
         assert now.rate == pytest.approx(np.full(16, known), abs=1e-12)
@@ -197,7 +198,7 @@ def test_long_steps_end_where_the_contact_opens():
         pressure=lambda x: -8e6 * np.exp(-(x**2)), history=lambda t: min(t / 0.5, 0.626)
     )
     film = sf.Coulomb(0.9, viscosity=1e10)
-    fault = sf.Interface(rock, film, 16.0, 5e6, 3e6, [fall], held=32.0, even=True)
+    fault = scene_along(rock, film, 16.0, 5e6, 3e6, [fall], held=32.0, even=True)
     done = run(fault, 0.314, 64, estimate=False, frames=10**4)
     shortest, steps = 0.4 * 0.25 / rock.shear_speed, np.diff(done.interface.t)
     opened = done.interface.gap[1:].max(axis=1) > 0
@@ -214,7 +215,7 @@ def test_rate_and_state_opens_after_long_steps():
         sf.InterfaceLoad(pressure=lambda x: 8e6 * np.exp(-(x**2)), history=sf.Pulse(0.5)),
         sf.InterfaceLoad(pressure=lambda x: -8e6 * np.exp(-(x**2))),
     ]
-    fault = sf.Interface(
+    fault = scene_along(
         rock, law, 16.0, 5e6, 3e6, loads, rate=1e-6, plate_rate=1e-6, held=32.0, even=True
     )
     done = run(fault, 0.501, 64, estimate=False)
@@ -240,7 +241,7 @@ def test_estimates_cover_gap_and_pressure():
 def test_without_loads_of_pressure_nothing_opens():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     contact = sf.Contact([(-2.0, 2.0)])
-    done = run(sf.Interface(SOLID, sf.Coulomb(0.5), 8.0, 0.7, loads=[load], contact=contact),
+    done = run(scene_along(SOLID, sf.Coulomb(0.5), 8.0, 0.7, loads=[load], contact=contact),
                0.5, 32)  # fmt: skip
     assert not done.scene.may_open
     assert (done.interface.gap == 0).all()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory import cosines
@@ -89,7 +90,7 @@ def test_second_order_with_state():
     push = sf.InterfaceLoad(
         lambda x: 0.08 * np.exp(-(x**2)), history=lambda t: min(t, 2.0) ** 2 / 4
     )
-    fault = sf.Interface(
+    fault = scene_along(
         sf.Material(1.0, 1.0, 0.25), law, 16.0, shear=0.6, rate=1e-3, loads=[push], even=True
     )
     slips = []
@@ -108,7 +109,7 @@ def test_second_order_with_state():
 def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
     def largest(sweeps):
         slot = sf.InterfaceLoad(1.0, on="slot")
-        scene = sf.Interface(
+        scene = scene_along(
             UNIT, sf.Coulomb(9.0), 8.0, loads=[slot], contact=sf.Contact([(1.0, 3.0)])
         )
         done = one_run(scene, 8.0, 64, step_ratio=0.6, sweeps=sweeps)
@@ -121,7 +122,7 @@ def test_odd_sweeps_are_unstable_on_a_free_face_and_even_ones_are_not():
 @pytest.mark.parametrize(("poisson", "stable"), [(0.499, 0.5), (1 / 3, 0.65), (-0.9, 1.0)])
 def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
     """The face of a slot would grow to 1e57 within the run, with finite values all along."""
-    scene = sf.Interface(
+    scene = scene_along(
         sf.Material(1.0, 1.0, poisson),
         sf.Coulomb(0.3),
         8.0,

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.stepping.pace import nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.interface.fields import Expression
+from semianalytic.scene.line.fields import Expression
 from tests.semianalytic.engine.runs import one_run
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -18,12 +19,12 @@ SPIKE = sf.Tabulated([0, 0.6, 0.62, 0.64, 1], [0, 0, 30, 0, 0])
 
 def struck(history, **given):
     patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1), history=history)
-    return sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch], **given)
+    return scene_along(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch], **given)
 
 
 def slow(load, law=STRENGTHENING, **given):
     creeping = {"pressure": 5e6, "shear": 3e6, "rate": 1e-9, "held": 16.0, **given}
-    return sf.Interface(ROCK, law, 16.0, loads=[load], **creeping)
+    return scene_along(ROCK, law, 16.0, loads=[load], **creeping)
 
 
 def with_short_steps(face, end, nodes, longest):
@@ -94,7 +95,7 @@ def test_a_wave_that_arrives_in_a_quiet_phase_sets_off_its_rupture():
         sf.IncidentWave("SV", -20.0, stress=-1e6), history=sf.Pulse(1.0, "rectangle"), at=1e5
     )
     held = {"pressure": 5e6, "shear": 2.9e6, "rate": 1e-9, "held": 16e3}
-    face = sf.Interface(ROCK, law, 16e3, loads=[wave], **held)
+    face = scene_along(ROCK, law, 16e3, loads=[wave], **held)
     found, fine = with_short_steps(face, 20.0, 64, 0.1)
     assert found.steps < fine.steps / 1.2
     assert np.abs(fine.interface.slip).max() > 0.1
@@ -128,7 +129,7 @@ def test_a_step_that_ends_beyond_convergence_is_repeated(monkeypatch):
     """Steps are chosen two rungs too long; without a repeat slip is 6 % off."""
     law = sf.RateAndState(a=0.012, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
     load = sf.InterfaceLoad(lambda x: 1.9e6 * (abs(x) < 1), lambda t: np.sin(np.pi * t / 500))
-    face = sf.Interface(ROCK, law, 16.0, 5e6, 1e6, [load], rate=1e-9, mode="antiplane")
+    face = scene_along(ROCK, law, 16.0, 5e6, 1e6, [load], rate=1e-9, mode="antiplane")
     right, chosen = one_run(face, 500.0, 64), Stepper.length
 
     def too_long(stepper, now):
@@ -148,7 +149,7 @@ def test_a_stiffness_of_a_wave_shorter_than_the_grid_bounds_steps_too(held):
     """A uniform slider on a spring is the same on 16 nodes as on 64 or 256."""
     law = sf.RateAndState(a=0.010, b=0.014, f0=0.6, v0=1e-6, distance=1e-5)
     push = sf.InterfaceLoad(2e4, history=sf.Tabulated([0, 5.0, 6.0, 1000], [0, 0, 1, 1]))
-    face = sf.Interface(
+    face = scene_along(
         *(ROCK, law, 16.0, 5e6, 3e6, [push]),
         **{"rate": 1e-6, "plate_rate": 1e-6, "held": held, "mode": "antiplane"},
     )
@@ -164,7 +165,7 @@ def test_slots_take_no_work_of_adhesion():
     works = []
     for contact in (sf.Contact(), sf.Contact([(-5, 5)])):
         glued = sf.Coulomb(0.3, cohesion=1.0)
-        face = sf.Interface(
+        face = scene_along(
             *(UNIT, glued, 16.0), loads=[pull], adhesion=sf.Adhesion(1.0, 0.5), contact=contact
         )
         done = one_run(face, 1.0, 256)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.estimate import missed_slip
 from semianalytic.results import files
 
@@ -16,7 +17,7 @@ def pushed(friction, **others):
     """A contact x > 0 beside a slot of which the faces are pushed."""
     slot = [sf.InterfaceLoad(1.0, on="slot")]
     contact = sf.Contact.half_line()
-    return sf.Interface(SOLID, sf.Coulomb(friction), 16.0, loads=slot, contact=contact, **others)
+    return scene_along(SOLID, sf.Coulomb(friction), 16.0, loads=slot, contact=contact, **others)
 
 
 @pytest.mark.parametrize("friction", [8.0, pytest.param(12.0, marks=pytest.mark.slow)])
@@ -40,14 +41,17 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
 def test_edges_that_slip_and_laws_that_never_stick_miss_nothing():
     assert missed_slip(sf.solve(pushed(3.0), end_time=1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
     assert missed_slip(
-        sf.solve(sf.Interface(SOLID, sf.Coulomb(0.5), 8.0), end_time=0.5, nodes=64)
-    ) == (0.0, 0.0)
+        sf.solve(scene_along(SOLID, sf.Coulomb(0.5), 8.0), end_time=0.5, nodes=64)
+    ) == (
+        0.0,
+        0.0,
+    )
 
 
 def patch(even):
     """A patch that slips at once, and spreads."""
     load = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1))
-    return sf.Interface(
+    return scene_along(
         sf.Material(1, 1, 0.25), sf.Coulomb(0.5), 16.0, shear=0.1, loads=[load], even=even
     )
 

@@ -8,6 +8,7 @@ import pytest
 
 import semianalytic as sf
 from docs.studies.accuracy.engine import freund_slip, kostrov_slip
+from docs.studies.lines import scene_along
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, InPlane
 from tests.semianalytic.engine.runs import one_run
@@ -27,7 +28,7 @@ def test_even_and_whole_lines_agree(contact, opens):
     pull = {"pressure": lambda x: -2 * np.exp(-2 * x**2)} if opens else {}
     loads = [sf.InterfaceLoad(lambda x: np.exp(-(x**2)), sf.Pulse(0.5), **pull)]
     half, whole = (
-        one_run(sf.Interface(UNIT, COULOMB, 8.0, 1.0, 0.1, loads, contact, even=even), 1.5, 64)
+        one_run(scene_along(UNIT, COULOMB, 8.0, 1.0, 0.1, loads, contact, even=even), 1.5, 64)
         for even in (True, False)
     )
     right = whole.interface.x >= 0
@@ -43,7 +44,7 @@ def test_even_and_whole_lines_agree(contact, opens):
 
 def test_the_estimate_covers_the_error_and_rtol_is_met():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)), history=sf.Ramp(1.0))
-    fault = sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
+    fault = scene_along(UNIT, sf.SlipWeakening(0.6, 0.2, 1.0), 8.0, loads=[load], even=True)
     times = [0.5, 1.0, 2.0]
     best = one_run(fault, 2.0, 1024, times=times)
     done = sf.solve(fault, end_time=2.0, nodes=32, rtol=5e-3, times=times)
@@ -61,7 +62,7 @@ def test_two_edges_against_the_exact_solver():
     """A slot -2 < x < 0 beside a contact, until the wave of the other edge arrives."""
     scene = sf.find("preloaded")
     exact = sf.solve(scene)
-    fault = sf.Interface(
+    fault = scene_along(
         scene.material,
         sf.Coulomb(0.3),
         16.0,
@@ -100,14 +101,14 @@ def test_a_jump_of_strength_does_not_make_slip():
     """A barrier beside a slipping patch stays stuck, and its neighbour slips no faster."""
     strength = lambda x: np.where(np.abs(x) < 1, 0.5, 1e6)  # noqa: E731
     load = sf.InterfaceLoad(1.0)
-    done = one_run(sf.Interface(UNIT, sf.Coulomb(strength), 8.0, loads=[load]), 1.0, 128)
+    done = one_run(scene_along(UNIT, sf.Coulomb(strength), 8.0, loads=[load]), 1.0, 128)
     assert np.abs(done.interface.slip_rate[:, np.abs(done.interface.x) >= 1]).max() == 0
     # (load - strength) / (mu / 2 c_t) = 1, and what waves add; as if strength were linear: 1e5
     assert done.interface.slip_rate.max() < 1.1
 
 
 def test_slow_grids_are_called_unresolved():
-    fault = sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.1, 0.01), 8.0, shear=0.3)
+    fault = scene_along(UNIT, sf.SlipWeakening(0.6, 0.1, 0.01), 8.0, shear=0.3)
     done = one_run(fault, 0.1, 32)
     assert done.status.startswith("unresolved")
     least = int(done.status.split("use ")[1].split()[0])
@@ -117,7 +118,7 @@ def test_slow_grids_are_called_unresolved():
 @pytest.mark.parametrize(("mode", "off"), [("in-plane", 0.0055), ("antiplane", 0.004)])
 def test_a_forced_front_is_kostrovs_crack(mode, off):
     impedance = InPlane(0.5) if mode == "in-plane" else Antiplane()
-    line = sf.Interface(THIRD, FRONT, 5.0, shear=1.0, mode=mode, even=True)
+    line = scene_along(THIRD, FRONT, 5.0, shear=1.0, mode=mode, even=True)
     done = one_run(line, 1.0, 1024, times=[1.0])
     known = kostrov_slip(done.interface.x, SPEED, impedance)
     assert np.abs(done.interface.slip[0] - known).sum() < off * known.sum()
@@ -127,9 +128,7 @@ def test_a_forced_front_is_kostrovs_crack(mode, off):
 
 def test_a_forced_front_beside_a_slot_is_freunds_crack():
     loads, beside = [sf.InterfaceLoad(1.0, on="slot")], sf.Contact.half_line()
-    line = sf.Interface(
-        THIRD, FRONT, 10.0, shear=1.0, loads=loads, contact=beside, mode="antiplane"
-    )
+    line = scene_along(THIRD, FRONT, 10.0, shear=1.0, loads=loads, contact=beside, mode="antiplane")
     done = one_run(line, 1.0, 1024, times=[1.0])
     near = (done.interface.x > 0) & (done.interface.x < SPEED)
     known = freund_slip(done.interface.x[near], SPEED, rayleigh_factors(1 / 3, "III"), "III")
@@ -139,7 +138,7 @@ def test_a_forced_front_beside_a_slot_is_freunds_crack():
 def test_a_forced_front_may_let_strength_fall_slowly():
     """Slip begins before strength has fallen to the end, not before the front can be felt."""
     law = sf.ForcedFront(0.6, 0.2, arrival=lambda x: np.abs(x), fall=0.5)
-    fault = sf.Interface(THIRD, law, 8.0, shear=0.4, even=True, mode="antiplane")
+    fault = scene_along(THIRD, law, 8.0, shear=0.4, even=True, mode="antiplane")
     done, h = one_run(fault, 2.0, 64), 8.0 / 64
     at = done.interface.x < 1.5
     assert (done.onset[at] <= done.interface.x[at] + 0.5).all()
@@ -157,7 +156,7 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
     kept = {one.name: getattr(law, one.name) for one in fields(law)}
     push = sf.InterfaceLoad(0.3, history=sf.Pulse(0.7), on="slot")
     patch = sf.InterfaceLoad(lambda x: 0.8 * (abs(x - 1) < 0.4), history=lambda t: min(t, 0.5))
-    base = sf.Interface(
+    base = scene_along(
         sf.Material(1.0, 1.0, 0.25),
         law,
         8.0,
@@ -167,7 +166,7 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
     )
     one, other = (
         sf.solve(each, end_time=1.1, nodes=256, estimate=False, every=3)
-        for each in (base, replace(base, law=Unknown(**kept)))
+        for each in (base, replace(base, friction=Unknown(**kept)))
     )
     assert one.steps == other.steps > 64
     named = [(each, each.interface) for each in (one, other)]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.engine.run import run
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
@@ -19,12 +20,12 @@ def weakening_fault():
         0.01, lambda x: 0.004 + 0.012 * (np.abs(x) < 2), 0.6, 1e-6, 1e-6, theta=1.3
     )
     rock = sf.Material(20e9, 2222.2, 0.25)
-    return sf.Interface(rock, law, 16.0, 5e6, 3e6, rate=1e-6, plate_rate=1e-6, held=32.0, even=True)
+    return scene_along(rock, law, 16.0, 5e6, 3e6, rate=1e-6, plate_rate=1e-6, held=32.0, even=True)
 
 
 def jumping():
     patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1), history=sf.Pulse(2.0, "rectangle"))
-    return sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch])
+    return scene_along(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=[patch])
 
 
 def opening_fault(size=-3.0):
@@ -33,13 +34,13 @@ def opening_fault(size=-3.0):
         pressure=lambda x, t: size * np.exp(-2 * x**2 - 4 * (t - 1.5) ** 2), history=None
     )
     law = sf.SlipWeakening(0.3, 0.1, 0.5)
-    return sf.Interface(UNIT, law, 16.0, 1.0, shear=0.15, loads=[load])
+    return scene_along(UNIT, law, 16.0, 1.0, shear=0.15, loads=[load])
 
 
 def glued_fault(strength=1.0):
     load = sf.InterfaceLoad(pressure=lambda x: -2.5 * np.exp(-(x**2)))
     bonds = sf.Adhesion(strength, 0.3)
-    return sf.Interface(UNIT, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
+    return scene_along(UNIT, sf.Coulomb(0.3), 8.0, 0.5, loads=[load], adhesion=bonds)
 
 
 def two_bodies():
@@ -47,29 +48,29 @@ def two_bodies():
     load = sf.InterfaceLoad(lambda x: 0.08 * (abs(x) < 2.5))
     contact, lower = sf.Contact([(-4.0, 4.0)]), sf.Material(2.25, 1.0, 0.25)
     given = {"pressure": 1.0, "shear": 0.16, "loads": [load], "lower_material": lower}
-    return sf.Interface(UNIT, sf.Coulomb(0.2), 10.0, contact=contact, **given)
+    return scene_along(UNIT, sf.Coulomb(0.2), 10.0, contact=contact, **given)
 
 
 def moved_grid(begin=-2.03):
     """The grid lies where both ends of the contact are as close to their places as can be."""
     loads, strip = [sf.InterfaceLoad(0.2)], sf.Contact([(begin, 1.9)])
-    return sf.Interface(UNIT, sf.Coulomb(0.1), 20.0, contact=strip, loads=loads)
+    return scene_along(UNIT, sf.Coulomb(0.1), 20.0, contact=strip, loads=loads)
 
 
 def forced_front():
     law = sf.ForcedFront(0.6, 0.2, arrival=lambda x: np.abs(x), fall=0.5)
-    return sf.Interface(UNIT, law, 8.0, shear=0.4, even=True, mode="antiplane")
+    return scene_along(UNIT, law, 8.0, shear=0.4, even=True, mode="antiplane")
 
 
 def struck(since=0.5, **law):
     """An interface that another one resembles but for a word, or for when its load comes."""
     load = sf.InterfaceLoad(lambda x, t: 0.2 * (abs(x) < 1) * (t > since), history=None)
-    return sf.Interface(UNIT, sf.SlipWeakening(0.6, 0.3, 0.5, **law), 16.0, 1.0, 0.3, loads=[load])
+    return scene_along(UNIT, sf.SlipWeakening(0.6, 0.3, 0.5, **law), 16.0, 1.0, 0.3, loads=[load])
 
 
 def under_state(evolution):
     law = sf.RateAndState(0.01, 0.014, 0.6, 1e-3, 1e-2, evolution=evolution)
-    return sf.Interface(UNIT, law, 16.0, 1.0, 0.3, rate=1e-3)
+    return scene_along(UNIT, law, 16.0, 1.0, 0.3, rate=1e-3)
 
 
 def assert_same(one, other):
@@ -146,7 +147,7 @@ def test_a_run_goes_on_after_an_end_time_to_the_last_bit(fault, until, tmp_path)
 @pytest.mark.parametrize(
     ("own", "other"),
     [
-        (weakening_fault(), sf.Interface(UNIT, COULOMB, 16.0, even=True)),
+        (weakening_fault(), scene_along(UNIT, COULOMB, 16.0, even=True)),
         (opening_fault(), opening_fault(-3.1)),
         (glued_fault(), glued_fault(1.1)),
         (struck(), struck(shape="exponential")),
@@ -185,7 +186,7 @@ def test_what_is_done_is_kept_after_ctrl_c():
             signal.raise_signal(signal.SIGINT)
 
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
-    done = run(sf.Interface(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
+    done = run(scene_along(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
     assert done.status.startswith("interrupted at t = 0.5")
     assert done.interface.slip[-1].max() > 0
     assert done.interface.t[-1] == done.end_time < 0.6
@@ -194,17 +195,18 @@ def test_what_is_done_is_kept_after_ctrl_c():
 def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     """Another contact, period or symmetry lies on other nodes."""
     strip = sf.Contact([(-2.0, 2.0)])
-    own = sf.Interface(UNIT, COULOMB, 8.0, contact=strip)
+    own = scene_along(UNIT, COULOMB, 8.0, contact=strip)
     run(own, 0.2, 32, estimate=False).save(tmp_path / "own.h5")
     assert sf.Run.load(tmp_path / "own.h5", own).nodes == 32
+    assert sf.Run.load(tmp_path / "own.h5").scene == own
     for other in (
-        {"length": 16.0, "contact": strip},
-        {"length": 8.0},
-        {"length": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
-        {"length": 8.0, "contact": strip, "even": True},
+        {"period": 16.0, "contact": strip},
+        {"period": 8.0},
+        {"period": 8.0, "contact": sf.Contact([(-1.0, 2.0)])},
+        {"period": 8.0, "contact": strip, "even": True},
     ):
         with pytest.raises(sf.DataFileError, match="is a run of another interface"):
-            sf.Run.load(tmp_path / "own.h5", sf.Interface(UNIT, COULOMB, **other))
+            sf.Run.load(tmp_path / "own.h5", scene_along(UNIT, COULOMB, **other))
     run(moved_grid(), 0.2, 200, estimate=False).save(tmp_path / "own.h5")
     other = replace(moved_grid(), contact=sf.Contact([(-2.04, 1.9)]))
     with pytest.raises(sf.DataFileError, match="is a run of another interface"):
@@ -221,7 +223,7 @@ def test_an_interrupt_during_the_estimate_leaves_the_complete_run():
         return 0.5 * np.exp(-(x**2)) * min(t, 1.0)
 
     loads = [sf.InterfaceLoad(shear, history=None)]
-    fault = sf.Interface(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=loads)
+    fault = scene_along(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=loads)
     done = run(fault, 1.0, nodes=64, rtol=1e-6)
     assert sent
     assert done.is_interrupted

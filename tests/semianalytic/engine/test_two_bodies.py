@@ -9,6 +9,7 @@ from dissimilar_pairs import GOUGE_ON_ROCK, PAIRS, ROCK, RUBBER_ON_STEEL
 from two_body_march import kernels
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.kernels import PairImpedance
@@ -83,7 +84,7 @@ def patch(upper, lower, **changes):
         "loads": [sf.InterfaceLoad(lambda x: 0.08 * (abs(x) < 2.5))],
         "lower_material": lower,
     }
-    return sf.Interface(upper, length=10.0, **{**given, **changes})
+    return scene_along(upper, period=10.0, **{**given, **changes})
 
 
 @cache
@@ -159,7 +160,7 @@ def test_a_slot_is_met_by_the_exact_answer(load, pressure, friction):
     upper, lower = PAIRS["0"]
     sides = sf.Tractions(pressure, 0.0), sf.Tractions(*load)
     exact = sf.solve(sf.Scene(upper, friction, *sides, lower_material=lower), rtol=1e-6)
-    given = sf.Interface(
+    given = scene_along(
         upper,
         sf.Coulomb(friction),
         12.0,
@@ -195,7 +196,7 @@ def growth_rate(pair, law, friction, periods):
     def kick(x, t):
         return 1e-6 * np.cos(q * x) * np.exp(-(((t * unit - 0.5) / 0.15) ** 2))
 
-    given = sf.Interface(
+    given = scene_along(
         upper,
         law,
         1.0,

@@ -8,12 +8,14 @@ import pytest
 from catalogue import PRELOADED, unit_scene
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic import Gauge, LogNormal, Normal, SceneError, Setup, Uniform, fit, solve
 from semianalytic.inversion.gauges import FIELDS, INTERFACE
-from semianalytic.inversion.interfaces import RecordedRun, TrialInterface, recorded
+from semianalytic.inversion.on_line import RecordedRun, recorded
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
+from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.incident import OF_FRONT
 
 T = np.linspace(0.3, 2.0, 9)
@@ -205,7 +207,7 @@ SOLID = sf.Material(1.0, 1.0, 0.25)
 def fault(dynamic=0.2):
     load = sf.InterfaceLoad(lambda x: 1.2 * np.exp(-(x**2)), sf.Ramp(1.0))
     law = sf.SlipWeakening(0.6, dynamic, 1.0)
-    return sf.Interface(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
+    return scene_along(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
 
 
 def gauges(run, noise, quantity="slip"):
@@ -233,13 +235,13 @@ def truth():
 def test_a_law_is_found_from_slip(truth):
     """Friction within three standard errors, from a guess that is far off."""
     records = gauges(truth, 0.02)
-    prior = {"law_dynamic": sf.Uniform(0.0, 0.5)}
-    found = sf.fit(records, fault(0.35), "law.dynamic", nodes=48, priors=prior)
-    assert found.parameters == ("law_dynamic",)
+    prior = {"friction_law_dynamic": sf.Uniform(0.0, 0.5)}
+    found = sf.fit(records, fault(0.35), "friction_law.dynamic", nodes=48, priors=prior)
+    assert found.parameters == ("friction_law_dynamic",)
     assert found.status == "converged"
     assert found.values[0] == pytest.approx(0.2, abs=3 * found.standard_errors[0])
     assert 0 < found.standard_errors[0] < 0.02
-    assert found.scene.interface.law.dynamic == found.values[0]
+    assert found.scene.law.dynamic == found.values[0]
     assert 0 < found.derivative_error < 0.1
 
 
@@ -253,7 +255,7 @@ def test_a_grid_that_gauges_can_see_is_not_converged(truth):
 
 def test_gauges_see_between_frames_and_nodes(truth):
     """Slip between frames is the integral of the rate; t < 0 is before the load."""
-    described = TrialInterface(fault(), 2.5, {})
+    described = replace(fault(), run={"end_time": 2.5})
     few = sf.solve(fault(), end_time=2.5, nodes=128, estimate=False, frames=12)
     seen = RecordedRun(described, few)
     t = np.linspace(0.1, 2.4, 40)
@@ -262,15 +264,15 @@ def test_gauges_see_between_frames_and_nodes(truth):
     assert seen.slip(np.full(40, 0.3), t) == pytest.approx(known, abs=2e-3 * known.max())
     assert seen.slip(np.array([0.0]), np.array([-1.0])).tolist() == [0.0]
     assert seen.shear_traction(np.array([0.0]), np.array([-1.0])).tolist() == [0.3]
-    other = recorded(described.changed({"law_dynamic": 0.5}), 32, estimate=False)
+    other = recorded(with_numbers(described, {"friction_law_dynamic": 0.5}), 32, estimate=False)
     assert other.run.interface.slip.max() < truth.interface.slip.max()
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"parameters": "law.dist"}, "parameters must be among .*law_distance"),
-        ({"parameters": ("law_static", "law.static")}, "each of them once"),
+        ({"parameters": "law.dist"}, "parameters must be among .*friction_law_distance"),
+        ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each of them once"),
         ({"parameters": "gain:A"}, "of no gauge"),
         ({"scene": sf.find("preloaded"), "parameters": "friction"}, "no effect on a scene"),
         ({"quantity": "vx", "y": 0.1}, "known on y = 0"),
@@ -281,7 +283,7 @@ def test_what_cannot_be_fitted_is_refused(change, message):
     record = {"x": 1.0, "t": [0.5, 1.0, 1.5], "values": [0.0, 0.1, 0.2], "noise": 0.01}
     record |= {"quantity": "slip"}
     record |= {name: one for name, one in change.items() if name in ("quantity", "y", "t")}
-    asked = {"scene": fault(), "parameters": "law_dynamic", "nodes": 32}
+    asked = {"scene": fault(), "parameters": "friction_law_dynamic", "nodes": 32}
     asked |= {name: one for name, one in change.items() if name not in record}
     with pytest.raises(sf.SceneError, match=message):
         sf.fit([sf.Gauge(**record)], **asked)
@@ -291,9 +293,11 @@ def test_gauges_of_scenes_stand_on_the_contact():
     record = sf.Gauge(x=-0.1, t=[1.0], values=[0.1], noise=0.1, quantity="slip")
     with pytest.raises(sf.SceneError, match=r"slip at x = -0.1: x must be"):
         sf.fit([record], sf.find("preloaded"), "friction")
-    punch = sf.find("punch").interface
+    punch = sf.find("punch")
     off = sf.Gauge(x=2.0, t=[1.0], values=[0.1], noise=0.1, quantity="slip")
     with pytest.raises(sf.SceneError, match="do not touch at x = 2"):
-        sf.fit([off], punch, "law.friction", priors={"law.friction": Normal(0.4, 0.1)})
-    with pytest.raises(sf.SceneError, match="prior of 'law_cohesion', which is not fitted"):
-        sf.fit([off], punch, "law.friction", priors={"law.cohesion": Normal(0.4, 0.1)})
+        sf.fit([off], punch, "friction", priors={"friction": Normal(0.4, 0.1)})
+    with pytest.raises(
+        sf.SceneError, match="prior of 'friction_law_cohesion', which is not fitted"
+    ):
+        sf.fit([off], punch, "friction", priors={"friction_law.cohesion": Normal(0.4, 0.1)})

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.scene.laws.law import balanced
 
 IMPEDANCE, SIGMA = 4.6e6, 5e7
@@ -116,7 +117,7 @@ def test_friction_that_falls_faster_than_radiation_balances_is_refused():
     material = sf.Material(1.0, 1.0, 0.25)
     for rate, refused in ((0.59, True), (0.61, False)):
         law = sf.RateWeakening(0.6, 0.3, rate=rate)
-        face = sf.Interface(material, law, 8.0, pressure=1.0, shear=0.4)
+        face = scene_along(material, law, 8.0, pressure=1.0, shear=0.4)
         if refused:
             with pytest.raises(sf.SceneError, match=r"by 0\.508 per slip rate, the impedance"):
                 sf.solve(face, end_time=0.1, nodes=16)

@@ -120,9 +120,11 @@ def test_a_class_of_the_program_is_solved_stored_and_read_again(tmp_path):
         (sf.SlipWeakening(0.3, 0.4, 1.0), "a dynamic friction above the static one"),
     ],
 )
-def test_what_the_engine_alone_knows_is_refused_with_its_page(law, said):
-    with pytest.raises(sf.SceneError, match=rf"has {said}, which the engine alone.*docs/engine"):
-        replace(SCENE, friction=law)
+def test_what_a_march_along_a_line_alone_knows_is_no_scene_of_the_exact_solver(law, said):
+    scene = replace(SCENE, friction=law)
+    assert scene.on_line == f"{type(law).__name__} with {said}"
+    with pytest.raises(sf.SceneError, match=r"is for a Scene, .* a Scene on a line"):
+        sf.solve(scene, method="self-similar")
 
 
 def test_the_exact_solver_takes_laws_that_keep_similarity():
@@ -170,7 +172,7 @@ def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
         ({"kind": "coulomb", "friction": 0.2}, "friction is friction_law.friction; leave"),
         (WEAKENING | {"reduction": 2}, "between 0 and 1, got 2"),
         (WEAKENING | {"reduction": 0, "dynamic": 0}, "without dynamic"),
-        ({"kind": "forced-front"}, "a state other than the path"),
+        ({"kind": "forced-front"}, "friction_law.dynamic is missing"),
     ],
 )
 def test_tables_of_scenes_are_refused_in_a_sentence(table, said):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import slipfront as sf
+from docs.studies.lines import scene_along
 from semianalytic.dissimilar_slot.solver import coupled
 from semianalytic.results.answer import ARRIVALS
 
@@ -29,14 +30,14 @@ ANSWERS = {
     "patch": lambda: sf.solve("whole-line-patch"),
     "growing load": lambda: sf.solve("growing-load"),
     "march": lambda: sf.solve("ramp", nodes=100),
-    "no load": lambda: sf.solve(sf.Interface(UNIT, sf.Coulomb(0.5), 8.0), end_time=1.2, nodes=128),
+    "no load": lambda: sf.solve(scene_along(UNIT, sf.Coulomb(0.5), 8.0), end_time=1.2, nodes=128),
     "contacts": lambda: sf.solve(
-        sf.Interface(UNIT, sf.Coulomb(0.3), 8.0, contact=sf.Contact.half_line(), loads=[PUSH]),
+        scene_along(UNIT, sf.Coulomb(0.3), 8.0, contact=sf.Contact.half_line(), loads=[PUSH]),
         end_time=1.2,
         nodes=128,
     ),
     "rate-and-state": lambda: sf.solve(
-        sf.Interface(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
+        scene_along(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
         end_time=1.2,
         nodes=128,
     ),
@@ -161,15 +162,15 @@ def test_a_march_adds_up_path_and_work_as_its_steps_do():
 
 
 RUNS = {
-    "patch": lambda: sf.Interface(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH]),
-    "even": lambda: sf.Interface(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], even=True),
-    "contacts": lambda: sf.Interface(
+    "patch": lambda: scene_along(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH]),
+    "even": lambda: scene_along(UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], even=True),
+    "contacts": lambda: scene_along(
         UNIT, sf.Coulomb(0.3), 16.0, contact=sf.Contact([(-4.0, -1.0), (1.0, 4.0)]), loads=[PUSH]
     ),
-    "two bodies": lambda: sf.Interface(
+    "two bodies": lambda: scene_along(
         UNIT, sf.Coulomb(0.5), 8.0, loads=[PATCH], lower_material=sf.Material(0.3, 1.0, 0.25)
     ),
-    "rate-and-state": lambda: sf.Interface(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
+    "rate-and-state": lambda: scene_along(UNIT, SLOWING, 8.0, shear=0.6, loads=[BUMP], rate=1e-6),
 }
 PATCH = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 0.6))
 PUSH = sf.InterfaceLoad(0.5, on="slot")
@@ -255,7 +256,7 @@ def test_what_a_run_does_not_know_it_refuses_in_one_sentence():
 
 def test_openings_of_a_run_lie_where_its_gap_is_open():
     lift = sf.InterfaceLoad(0.0, pressure=lambda x: -2.0 * (abs(x) < 1))
-    face = sf.Interface(UNIT, sf.Coulomb(0.5), 16.0, pressure=1.0, loads=[lift])
+    face = scene_along(UNIT, sf.Coulomb(0.5), 16.0, pressure=1.0, loads=[lift])
     run = sf.solve(face, end_time=0.5, nodes=128, estimate=False)
     (opening,) = run.openings_at(0.5)
     open_at = run.interface.x[run.interface.gap[-1] > 0]

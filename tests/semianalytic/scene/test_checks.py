@@ -221,7 +221,7 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
     [
         (
             lambda: slipfront.solve(0.3, method="space-time"),
-            "space-time is for a Scene or Interface, or the name or file of one, got 0.3",
+            "space-time is for a Scene, or the name or file of one, got 0.3",
         ),
         (lambda: slipfront.solve(None), "or the name or file of one, got None."),
         (lambda: slipfront.simulate("none.toml"), "none.toml cannot be read"),

@@ -68,7 +68,7 @@ def test_in_si_units_edges_are_at_the_same_share_of_the_shear_wave(name):
     ("old", "new", "said"),
     [
         ("whole line", "slot", 'contact must be "whole line"'),
-        ('kind = "patch"\nspeed = 0.3\n', "pressure = 0\n", "scene with a slot, without contact"),
+        ('kind = "patch"\nspeed = 0.3\n', "pressure = 0\n", "the bodies touch everywhere"),
         ("patch", "path", "kind must be one of incident-wave, moving, patch, point-force"),
         ("speed = 0.3\n", "", "load.speed is missing"),
         ("speed = 0.3", 'speed = "fast"', "speed must be positive and finite, got 'fast'"),

@@ -50,7 +50,7 @@ def test_a_document_with_another_key_or_without_one_does_not_fit():
     assert VALIDATOR.is_valid(good)
     assert not VALIDATOR.is_valid({**good, "more": 1})
     assert not VALIDATOR.is_valid({key: value for key, value in good.items() if key != "text"})
-    assert not VALIDATOR.is_valid({**good, "scene": {**scene, "friction": "0.3"}})
+    assert not VALIDATOR.is_valid({**good, "scene": {**scene, "friction": [0.3]}})
 
 
 # --- commands that are quick ----------------------------------------------------------------------

@@ -133,7 +133,10 @@ def test_finite_elements_take_a_law_of_a_package_too(granite):
 def test_a_file_of_an_interface_takes_a_law_of_a_package_along_x(granite, tmp_path):
     law = {"kind": '"hyperbolic-weakening"', "friction": '"0.3 + 0.1 * x**2"', "reduction": 0.5}
     solid = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}"
-    text = f"length = 8.0\nshear = 0.35\n{solid}\nrun = {{end_time = 0.5, nodes = 64}}\n[law]\n"
+    text = (
+        f"contact = 'whole line'\nperiod = 8.0\nbase = {{pressure = 1.0, shear = 0.35}}\n{solid}\n"
+    )
+    text += "run = {end_time = 0.5, nodes = 64}\n[friction_law]\n"
     rows = [f"{name} = {value}" for name, value in (law | {"distance": 0.1}).items()]
     (tmp_path / "face.toml").write_text(text + "\n".join(rows))
     done = sf.solve(tmp_path / "face.toml")

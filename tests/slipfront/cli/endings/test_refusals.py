@@ -79,7 +79,7 @@ REFUSED = {
             "compare ramp --lower-density 2",
             "shear_history: between different bodies the exact solver",
         ),
-        ("field two.toml --method space-time", "is for a Scene or Interface"),
+        ("field two.toml --method space-time", "is for a Scene, or"),
         ("fit slip.csv --scene preloaded --lower-density 2", OTHERWISE),
         ("solve two.toml --nodes 64", "is for the space-time solver; leave it out"),
         ("solve antiplane --lower-density 2", 'mode = "antiplane": between different bodies'),
@@ -147,9 +147,8 @@ REFUSED = {
         ("12cm,2300,0.25", "--upper: the shear modulus must be a number alone or in Pa"),
     ],
     "fit slip.csv --scene fault.toml --noise slip=0.2 --parameters": [
-        ("law.dyn", "must be among length, pressure"),
-        ("gain --friction 0.3", "--friction: an interface takes no other"),
-        ("law.distance --prior law.distance=normal(1mm,1)", "unit"),
+        ("law.dyn", "must be among friction, shear_modulus"),
+        ("friction_law.distance --prior friction_law.distance=normal(1mm,1)", "unit"),
         ("gain --nodes 30", "multiple of 4"),
     ],
     "compare stuck": [
@@ -159,8 +158,7 @@ REFUSED = {
         ("--budget 60s --resolution 40", "--budget has no effect with --resolution; leave one"),
     ],
     "survey fault.toml": [
-        ("--vary load_1_shear_factor=1 --vary law.distance=1m,2m", "do not say"),
-        ("--units SI --vary radius=1,2", "--units has no effect"),
+        ("--vary load_1_shear_factor=1 --vary friction_law.distance=1m,2m", "do not say"),
         ("--vary radius=1,2 --t 0.5", "give x as well"),
     ],
 }

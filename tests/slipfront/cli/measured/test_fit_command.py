@@ -80,7 +80,7 @@ def fault(tmp_path):
     """A file of an interface, and a record of slip on it that is a tenth too large."""
     (tmp_path / "fault.toml").write_text(FAULT)
     t = [0.5, 1.0, 1.5, 2.0]
-    done = solve(find("fault.toml").interface, end_time=2.0, nodes=32, times=t, estimate=False)
+    done = solve(find("fault.toml"), end_time=2.0, nodes=32, times=t, estimate=False)
     slip = done.at(done.interface.slip, np.array([-1.0]))[:, 0]
     rows = "".join(f"{at},-1,{1.1 * value}\n" for at, value in zip(t, slip, strict=True))
     (tmp_path / "slip.csv").write_text("t,x,slip\n" + rows)
@@ -89,8 +89,8 @@ def fault(tmp_path):
 def test_a_gain_is_fitted(fault, printed):
     document = printed("fit slip.csv --scene fault.toml --noise slip=0.2 --parameters gain", 4)
     assert document["parameters"]["gain"]["value"] == pytest.approx(1.1, abs=0.02)
-    assert document["scene"]["interface"]["law"]["kind"] == "SlipWeakening"
-    assert document["scene"]["options"]["nodes"] == 32
+    assert document["scene"]["friction_law"]["kind"] == "slip-weakening"
+    assert document["scene"]["run"]["nodes"] == 32
 
 
 # --- records of a march in PMMA, as they are committed --------------------------------------------

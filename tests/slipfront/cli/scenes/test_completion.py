@@ -11,7 +11,8 @@ from fem.elements.families import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find
 from semianalytic.methods import chosen
-from semianalytic.scene.given.named import INTERFACES, NAMED_SCENES
+from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.scene import MODES
 from slipfront.cli import commands
@@ -113,4 +114,4 @@ def test_names_are_those_of_the_functions_that_take_them():
     assert completion.MESH_NAMES["mesh"] == PATTERNS
     for method in completion.METHODS:
         assert chosen(preloaded, method).name in completion.METHODS
-    assert set(completion.scene_names("")) >= {*NAMED_SCENES, *INTERFACES}
+    assert set(completion.scene_names("")) >= {*NAMED_SCENES, *NAMED_LINES}

@@ -1,24 +1,28 @@
-"""Interfaces in files: expressions, tables with units, named ones, refusals."""
+"""Scenes on a line in files: expressions, tables with units, named ones, refusals."""
 
 import os
+import tomllib
 
 import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.interface.fields import Expression
-from semianalytic.interface.named import NAMED_INTERFACES, find_interface
+from docs.studies.lines import scene_along
 from semianalytic.parameters.numbers import numbers_of, with_numbers
+from semianalytic.scene.given.documents import scene_document, scene_from_document, toml_text
+from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.line.fields import Expression
 from slipfront.cli.commands import main
 
 MATERIAL = "material = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
 SOFTER_BELOW = "lower_" + MATERIAL.replace("shear_modulus = 1.0", "shear_modulus = 0.3")
-COULOMB = 'law = {kind = "coulomb", friction = 0.3}\n'
-GOOD = f"""length = 8.0
+COULOMB = "friction = 0.3\n"
+WHOLE = 'contact = "whole line"\nperiod = 8.0\n'
+GOOD = f"""{WHOLE}{MATERIAL}
+[base]
 pressure = {{file = "p.csv", column = "pressure"}}
 shear = {{x = [-4.0, 0.0, 4.0], values = [0.0, 0.2, 0.0]}}
-{MATERIAL}
-[law]
+[friction_law]
 kind = "slip-weakening"
 static = "0.5 + 0.1 * cos(pi * x / 4)"
 dynamic = 0.2
@@ -30,8 +34,7 @@ history = {{kind = "ramp", rise_time = 0.5}}
 end_time = 1.0
 nodes = 64
 """
-GLUED = f"""length = 8.0
-pressure = 0.5
+GLUED = f"""{WHOLE}base = {{pressure = 0.5, shear = 0.0}}
 load = {{pressure = "-3.0 * exp(-x**2)"}}
 {MATERIAL}{COULOMB}
 [adhesion]
@@ -40,8 +43,8 @@ length = 0.5
 [run]
 end_time = 1.0
 """
-WAVE = f"""length = 8.0
-contact = {{intervals = [[0.0, inf]]}}
+WAVE = f"""period = 8.0
+base = {{pressure = 1.0, shear = 0.0}}
 {MATERIAL}{COULOMB}
 [load]
 kind = "incident-wave"
@@ -67,8 +70,8 @@ def folder(tmp_path, monkeypatch):
 
 def test_a_file_and_the_same_in_python(folder):
     found = sf.find("a.toml")
-    done = sf.solve(found.interface, end_time=found.end_time, estimate=False, **found.options)
-    same = sf.Interface(
+    done = sf.solve(found, estimate=False)
+    same = scene_along(
         sf.Material(1.0, 1.0, 0.25),
         sf.SlipWeakening(lambda x: 0.5 + 0.1 * np.cos(np.pi * x / 4), 0.2, 4.0),
         8.0,
@@ -94,7 +97,7 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
     for load in (shared, timed):
         (folder / "a.toml").write_text(f"{head}[[load]]\n{load}{tail}")
         found = sf.find("a.toml")
-        runs.append(sf.solve(found.interface, end_time=1.0, nodes=64, estimate=False))
+        runs.append(sf.solve(found, end_time=1.0, nodes=64, estimate=False))
     assert runs[0].interface.gap.max() > 0.1
     assert runs[0].interface.gap == pytest.approx(runs[1].interface.gap, abs=1e-14)
     assert runs[0].interface.slip == pytest.approx(runs[1].interface.slip, abs=1e-14)
@@ -102,13 +105,13 @@ pressure = "-2 * exp(-x**2) * min(2 * t, 1)"
     assert "largest gap" in capsys.readouterr().out
     (folder / "a.toml").write_text(f'mode = "antiplane"\n{head}[[load]]\n{load}{tail}')
     assert main(["solve", "a.toml", "--save", "b.h5"]) == 2
-    assert "antiplane interface have no pressure" in " ".join(capsys.readouterr().err.split())
+    assert "antiplane line have no pressure" in " ".join(capsys.readouterr().err.split())
     assert not (folder / "b.h5").exists()
 
 
 def test_files_and_surveys_know_adhesion(folder):
     (folder / "a.toml").write_text(GLUED)
-    face = sf.find("a.toml").interface
+    face = sf.find("a.toml")
     named = numbers_of(face)
     assert named["adhesion_length"].value == 0.5
     assert named["adhesion_strength_factor"].value == 1.0
@@ -118,40 +121,42 @@ def test_files_and_surveys_know_adhesion(folder):
 
 def test_files_describe_fronts_and_surveys_vary_them(folder):
     (folder / "a.toml").write_text(WAVE)
-    face = sf.find("a.toml").interface
-    (load,) = face.loads
+    face = sf.find("a.toml")
+    load = face.load
     assert load.front == sf.IncidentWave("SV", angle=-20.0, stress=0.3)
     assert (load.at, load.history) == (4.0, sf.Pulse(0.5, "half-sine"))
     known = numbers_of(face)
     assert {"load_angle", "load_stress", "load_at", "load_history_duration"} <= set(known)
     other = with_numbers(face, {"load_angle": -30.0, "shear_modulus": 4.0})
-    assert other.loads[0].front.angle == -30.0
-    assert other.loads[0].material.shear_modulus == 4.0
+    assert (other.load.front.angle, other.material.shear_modulus) == (-30.0, 4.0)
     sf.solve(other, end_time=0.5, nodes=32)
 
 
-@pytest.mark.parametrize("name", NAMED_INTERFACES)
-def test_named_interfaces_begin(name):
-    found = find_interface(name)
-    assert found.summary
-    done = sf.solve(found.interface, end_time=found.end_time / 1000, nodes=256, estimate=False)
+@pytest.mark.parametrize("name", NAMED_LINES)
+def test_named_lines_begin_and_are_written_as_files(name):
+    found = sf.find(name)
+    written = toml_text(scene_document(found))
+    assert scene_from_document(tomllib.loads(written)) == found
+    end = found.run["end_time"] / 1000
+    done = sf.solve(found, end_time=end, nodes=256, estimate=False)
     assert np.isfinite(done.interface.slip).all()
 
 
 @pytest.mark.parametrize(
     ("text", "old", "new", "said"),
     [
-        (GOOD, "dynamic = 0.2\n", "", "law.dynamic is missing"),
+        (GOOD, "dynamic = 0.2\n", "", "friction_law.dynamic is missing"),
         (GOOD, "static =", "statik =", "did you mean static"),
         (GOOD, "slip-weakening", "coulombe", "kind must be one of"),
         (GOOD, '"exp(-x**2)"', '"__import__(1)"', "is not known here"),
         (GOOD, '"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
-        (GOOD, "length = 8.0\n", "", "length is missing"),
-        (GOOD, "length = 8.0", "length = 80.0", "must cover the contact"),
+        (GOOD, "period = 8.0\n", "", "give the `period` of the line"),
+        (GOOD, "period = 8.0", "period = 80.0", "must cover the contact"),
+        (GOOD, "period = 8.0", "length = 8.0", "unknown key length; write period"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
         (GOOD, '"p.csv"', '"q.csv"', "q.csv cannot be read"),
         (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),
-        (GOOD, "[run]", "[[contact]]\n[run]", "contact must be a table"),
+        (GOOD, 'contact = "whole line"', "contact = 1", "contact must be"),
         (GOOD, 'shear = "exp(-x**2)"\n', "", "load: shear or pressure is missing"),
         (GOOD, 'shear = "exp(-x**2)"\n', "presure = 1.0\n", "did you mean pressure"),
         (GOOD, 'shear = "exp(-x**2)"\n', "pressure = [1.0]\n", "load.pressure must be a number"),
@@ -162,7 +167,7 @@ def test_named_interfaces_begin(name):
         (WAVE, 'wave = "SV"', 'wave = "SH"', "must be of kind P or SV, got SH"),
         (WAVE, "angle = -20.0", "angle = 95.0", "angle must"),
         (WAVE, "at = 4.0", "on = 4.0", "unknown key load.on"),
-        (WAVE, "length = 8.0", "length = 8.0\neven = true", "not even in x"),
+        (WAVE, "period = 8.0", "period = 8.0\neven = true", "not even in x"),
         (WAVE, "material", f"{SOFTER_BELOW}material", "beyond a critical angle"),
         (TABLE, "[kPa]", "[furlnog]", "must have no unit, or one such as"),
         (TABLE, "1e-3\n4000", "nan\n4000", "must hold finite numbers"),
@@ -277,7 +282,7 @@ def test_commands_of_scenes_name_what_takes_the_file_of_an_interface(tmp_path, c
     face = tmp_path / "face.toml"
     solid = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
     face.write_text(
-        f"length = 16.0\n{solid}[law]\nkind = 'coulomb'\nfriction = 0.3\n"
+        f"period = 16.0\nfriction = 0.3\n{solid}[base]\npressure = 1.0\nshear = 0.0\n"
         "[contact]\nintervals = [[-1.0, 1.0]]\n[run]\nend_time = 1.0\n"
     )
     for command in ("field", "simulate"):

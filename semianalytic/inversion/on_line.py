@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,10 +13,9 @@ import numpy as np
 from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
+from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.interface.files import InterfaceFile
-from semianalytic.interface.interface import Interface
 from semianalytic.inversion.gauges import FIELDS, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
@@ -33,30 +32,7 @@ from semianalytic.results.questions import between
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
-
-
-@dataclass(frozen=True, eq=False)
-class TrialInterface(InterfaceFile):
-    """An interface with other values of some of its parameters, which tell it from others."""
-
-    changes: tuple[tuple[str, float], ...] = ()
-    origin: InterfaceFile | None = field(default=None, repr=False)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, TrialInterface) and self.changes == other.changes
-
-    def __hash__(self) -> int:
-        return hash(self.changes)
-
-    def changed(self, values: Mapping[str, float]) -> TrialInterface:
-        """Return the interface with other values of some parameters; errors of `Interface`."""
-        changes = {**dict(self.changes), **values}
-        # Changes are always applied to the interface of the file, so that the order of trials
-        # leaves no rounding behind.
-        begun = self.origin or self
-        interface = with_numbers(begun.interface, changes)
-        kept = tuple(sorted(changes.items()))
-        return replace(self, interface=interface, changes=kept, origin=begun)
+from semianalytic.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +41,11 @@ class RecordedRun:
 
     Attributes
     ----------
-    scene : TrialInterface
+    scene : Scene
     run : Run
     """
 
-    scene: TrialInterface
+    scene: Scene
     run: Run
 
     @property
@@ -102,15 +78,15 @@ class RecordedRun:
 
     def slip_rate(self, x: Array, t: Array) -> Array:
         """Return the slip rate at n positions and times, (n,)."""
-        return self._linear("slip_rate", x, t, self.scene.interface.rate)
+        return self._linear("slip_rate", x, t, self.scene.rate)
 
     def shear_traction(self, x: Array, t: Array) -> Array:
         """Return the shear traction at n positions and times, (n,)."""
-        return self._linear("shear_traction", x, t, self.scene.interface.shear)
+        return self._linear("shear_traction", x, t, self.scene.base.shear)
 
     def pressure(self, x: Array, t: Array) -> Array:
         """Return the pressure at n positions and times, (n,)."""
-        return self._linear("pressure", x, t, self.scene.interface.pressure)
+        return self._linear("pressure", x, t, self.scene.base.pressure)
 
     def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
         begin, end, share, _ = self._frames(name, x, t)
@@ -128,7 +104,7 @@ class RecordedRun:
 
 
 @dataclass(frozen=True)
-class InterfaceUnknowns(Unknowns):
+class LineUnknowns(Unknowns):
     """Unknowns of a fit of an interface."""
 
     scene: Any
@@ -143,34 +119,34 @@ class InterfaceUnknowns(Unknowns):
         return super().value(name) if is_of_setup(name) else self.known[name].value
 
     def at(self, values: Sequence[float]) -> tuple[Any, Setup]:
-        """Return interface and set-up with these values; errors are those of `Interface`."""
+        """Return interface and set-up with these values; errors are those of `Scene`."""
         given = dict(zip(self.names, map(float, values), strict=True))
         setup = {name: value for name, value in given.items() if is_of_setup(name)}
         changes = {name: value for name, value in given.items() if name not in setup}
-        return self.scene.changed(changes), self.setup_with(setup)
+        return with_numbers(self.scene, changes), self.setup_with(setup)
 
     def _least(self, name: str) -> float:
         if is_of_setup(name):
             return super()._least(name)
-        interface = self.scene.interface
+        scene = self.scene
         return {
-            "length": 0.01 * interface.length,
+            "length": 0.01 * self.scene.period,
             "time": 0.1 * self.duration,
             "stress": 0.1 * self._stress,
-            "length / time": 0.1 * self._stress / interface.impedance,
-            "stress time / length": 0.1 * interface.impedance,
+            "length / time": 0.1 * self._stress / scene.impedance,
+            "stress time / length": 0.1 * scene.impedance,
             "angle": 5.0,
         }.get(self.known[name].dimension, 0.1)
 
     @property
     def _stress(self) -> float:
         """The largest traction before loads [stress]."""
-        interface = self.scene.interface
+        scene = self.scene
         # Fields along x may be functions; a hundredth of the period shows their largest value well
         # enough for a size.
-        x = np.linspace(-interface.length / 2, interface.length / 2, 101)
-        x = x[interface.contact.touches(x)]
-        fields = (interface.pressure, interface.shear)
+        x = np.linspace(-self.scene.period / 2, self.scene.period / 2, 101)
+        x = x[scene.contact.touches(x)]
+        fields = (scene.base.pressure, scene.base.shear)
         return max(float(np.abs(sampled("", one, x)).max(initial=0.0)) for one in fields) or 1.0
 
     def size(self, name: str) -> float:
@@ -186,11 +162,11 @@ class InterfaceUnknowns(Unknowns):
             return super().bounds("poisson_ratio")
         if name.startswith("contact_"):
             # The ends of a contact stay within one period.
-            half = self.scene.interface.length / 2
+            half = self.scene.period / 2
             return -half, half
         # Numbers that a file names for its expressions may mean anything, and so may be negative.
         named = self.known[name].targets[0][0][-1] == name
-        if name != "pressure" and (
+        if name != "base_pressure" and (
             name.endswith(("shear", "rate", "plate_rate", "pressure", "angle", "at", "factor"))
             or named
         ):
@@ -212,7 +188,7 @@ class InterfaceUnknowns(Unknowns):
 
 
 @dataclass
-class InterfaceTrials(Trials):
+class LineTrials(Trials):
     """Trials of unknowns of an interface."""
 
     half_line = False
@@ -223,7 +199,7 @@ class InterfaceTrials(Trials):
         return True
 
     def _solve(self, scene: Any) -> Any:
-        return recorded(scene, scene.options.get("nodes", NODES), estimate=False)
+        return recorded(scene, scene.run.get("nodes", NODES), estimate=False)
 
     def misfits(self, points: Sequence[Array]) -> Array:
         """Return the misfits (m, n) of many values."""
@@ -241,7 +217,7 @@ class InterfaceTrials(Trials):
     def final(self, scaled: Array) -> Any:
         """Return the run of the result, with its error estimates."""
         scene: Any = self.at(scaled)[0]
-        return recorded(scene, scene.options.get("nodes", NODES), estimate=True)
+        return recorded(scene, scene.run.get("nodes", NODES), estimate=True)
 
     def grid_error(self, scaled: Array, fine: Any) -> float:
         """Return by how much the grid changes records, over their noise (root mean square).
@@ -258,15 +234,15 @@ class InterfaceTrials(Trials):
         return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
 
 
-def recorded(scene: TrialInterface, nodes: int, estimate: bool) -> RecordedRun:
+def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
     """Run an interface for gauges; errors are those of `run`."""
     options = {
         key: value
-        for key, value in scene.options.items()
+        for key, value in scene.run.items()
         if key not in ("nodes", "rtol", "every", "frames", "times")
     }
     # Between these times slip is cubic, and all else linear.
-    done = run(scene.interface, scene.end_time, nodes, frames=1000, estimate=estimate, **options)
+    done = run(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
 
 
@@ -275,15 +251,15 @@ def plain_name(given: str) -> str:
     return given if is_of_setup(given) else spelled(str(given))
 
 
-def interface_name(interface: Interface, given: str) -> str:
+def number_name(scene: Scene, given: str) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
     Raises
     ------
     SceneError
-        If the interface has no such number, and the set-up neither.
+        If the scene has no such number, and the set-up neither.
     """
-    known, name = numbers_of(interface), plain_name(given)
+    known, name = numbers_of(scene), plain_name(given)
     if name not in known and not is_of_setup(name):
         raise SceneError(
             f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
@@ -292,14 +268,14 @@ def interface_name(interface: Interface, given: str) -> str:
     return name
 
 
-def interface_trials(
+def line_trials(
     gauges: tuple[Gauge, ...],
-    described: InterfaceFile,
+    scene: Scene,
     names: tuple[str, ...],
     priors: Mapping[str, Any],
     setup: Setup,
     nodes: int | None,
-) -> InterfaceTrials:
+) -> LineTrials:
     """Return the trials of a fit of an interface, after checking what was asked.
 
     Raises
@@ -313,7 +289,7 @@ def interface_trials(
             raise SceneError(
                 f"fit: {gauge.quantity} is of the bodies, and an interface is known on y = 0 alone."
             )
-        if not described.interface.contact.touches([gauge.x - setup.x0]).all():
+        if not scene.contact.touches([gauge.x - setup.x0]).all():
             raise SceneError(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
             )
@@ -325,7 +301,7 @@ def interface_trials(
     end = float(samples.t.max()) - setup.t0 + (0.25 * duration if "t0" in names else 0.0)
     if end <= 0:
         raise SceneError("fit: all records end before the load acts; check t0.")
-    options = dict(described.options) | ({} if nodes is None else {"nodes": nodes})
-    begun = TrialInterface(described.interface, end, options, described.summary)
-    unknowns = InterfaceUnknowns(names, begun, setup, duration)
-    return InterfaceTrials(samples, unknowns, priors, 0.0)
+    settings = {**scene.run, "end_time": end, **({} if nodes is None else {"nodes": nodes})}
+    begun = replace(with_period(scene, end), run=settings)
+    unknowns = LineUnknowns(names, begun, setup, duration)
+    return LineTrials(samples, unknowns, priors, 0.0)

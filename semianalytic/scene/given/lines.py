@@ -1,25 +1,17 @@
-"""Interfaces that come with the package, as the files that describe them."""
+"""Scenes on a line that come with the package, as the files that describe them."""
 
 from __future__ import annotations
 
-import math
-import tomllib
 from collections.abc import Mapping
-from os import PathLike, fspath
-
-from semianalytic.interface.files import InterfaceFile, described, read_interface
-from semianalytic.interface.interface import Interface
-from semianalytic.scene.given.finding import INTERFACE, kind_of
 
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
 
-NAMED_INTERFACES: Mapping[str, str] = {
+NAMED_LINES: Mapping[str, str] = {
     "rate-and-state": """
 summary = "slow sliding and two events of a fault that weakens with slip rate, in one run of 100 s"
-length = 16.0
-pressure = 5e6
-shear = 3e6
+contact = "whole line"
+period = 16.0
 rate = 1e-6
 plate_rate = 1e-6
 held = 32.0
@@ -28,7 +20,10 @@ even = true
 shear_modulus = 20e9
 density = 2222.2222222222222
 poisson_ratio = 0.25
-[law]
+[base]
+pressure = 5e6
+shear = 3e6
+[friction_law]
 kind = "rate-and-state"
 a = 0.010
 b = "0.004 + 0.006 * (1 - tanh((abs(x) - 2) / 0.2))"
@@ -42,13 +37,12 @@ nodes = 256
 """,
     "punch": """
 summary = "a punch of finite width, under pressure, and shear that arrives from afar"
-length = 16.0
-even = true
-contact = {intervals = [[-1.0, 1.0]]}
-load = {shear = 0.05}
-[law]
-kind = "coulomb"
 friction = 0.5
+contact = {intervals = [[-1.0, 1.0]]}
+period = 16.0
+even = true
+base = {pressure = 1.0, shear = 0.0}
+load = {shear = 0.05, on = "line"}
 [run]
 end_time = 4.0
 nodes = 1024
@@ -56,40 +50,23 @@ nodes = 1024
     + _UNIT,
     "two-slots": """
 summary = "two slots whose faces are loaded suddenly: slip from four edges meets"
-length = 24.0
-even = true
-contact = {intervals = [[-inf, -3.0], [-1.0, 1.0], [3.0, inf]]}
-load = {shear = 1.0, on = "slot"}
-[law]
-kind = "coulomb"
 friction = 0.3
+contact = {intervals = [[-inf, -3.0], [-1.0, 1.0], [3.0, inf]]}
+period = 24.0
+even = true
+base = {pressure = 1.0, shear = 0.0}
+load = {shear = 1.0, on = "slot"}
 [run]
 end_time = 3.0
 nodes = 1536
 """
     + _UNIT,
-    "tap": """
-summary = "a tap on a slot whose contact is lightly pressed: it opens ahead and closes again"
-length = 10.0
-pressure = 0.02
-contact = {intervals = [[0.0, inf]]}
-load = {pressure = 1.0, on = "slot"}
-[law]
-kind = "coulomb"
-friction = 0.3
-[run]
-end_time = 1.0
-nodes = 1024
-[material]
-shear_modulus = 1.0
-density = 1.0
-poisson_ratio = 0.3333333333333333
-""",
     "rock-on-gouge": """
 summary = "a growing patch between rock and gouge: slip is faster towards the slip of the gouge"
-length = 24.0
-pressure = 10e6
-shear = 3e6
+friction = 0.4
+contact = "whole line"
+period = 24.0
+base = {pressure = 10e6, shear = 3e6}
 [material]
 shear_modulus = 30e9
 density = 2700.0
@@ -98,9 +75,6 @@ poisson_ratio = 0.25
 shear_modulus = 12e9
 density = 2300.0
 poisson_ratio = 0.25
-[law]
-kind = "coulomb"
-friction = 0.4
 [load]
 shear = "2e6 * min(max((600 * t - abs(x)) / 0.1 + 0.5, 0), 1)"
 [run]
@@ -109,9 +83,9 @@ nodes = 1024
 """,
     "steel-on-rubber": """
 summary = "a growing patch between steel and rubber, whose friction follows pressure with a delay"
-length = 1.6
-pressure = 1e5
-shear = 4e4
+contact = "whole line"
+period = 1.6
+base = {pressure = 1e5, shear = 4e4}
 [material]
 shear_modulus = 80.77e9
 density = 7800.0
@@ -120,7 +94,7 @@ poisson_ratio = 0.3
 shear_modulus = 3.356e6
 density = 1100.0
 poisson_ratio = 0.49
-[law]
+[friction_law]
 kind = "coulomb"
 friction = 0.5
 delay = 2e-4
@@ -132,14 +106,14 @@ nodes = 1024
 """,
     "cattaneo": """
 summary = "slow shear on a contact under uniform pressure: partial slip of Cattaneo and Mindlin"
-length = 8.0
-even = true
-contact = {intervals = [[-1.0, 1.0]]}
-[law]
-kind = "coulomb"
 friction = 1.0
+contact = {intervals = [[-1.0, 1.0]]}
+period = 8.0
+even = true
+base = {pressure = 1.0, shear = 0.0}
 [load]
 shear = 0.15
+on = "line"
 history = "min(t / 32, 1)**3 * (10 - 15 * min(t / 32, 1) + 6 * min(t / 32, 1)**2)"
 [run]
 end_time = 62.0
@@ -150,10 +124,11 @@ every = 32
     + _UNIT,
     "supershear": """
 summary = "a rupture that weakens with slip and overtakes shear waves (S = 0.8)"
-length = 96.0
-shear = 1.0
+contact = "whole line"
+period = 96.0
 even = true
-[law]
+base = {pressure = 1.0, shear = 1.0}
+[friction_law]
 kind = "slip-weakening"
 static = 1.8
 dynamic = 0.0
@@ -168,12 +143,13 @@ every = 4
     + _UNIT,
     "tpv101": """
 summary = "SCEC TPV101 in two dimensions, as UGUCA ran it: rate-and-state, ageing law"
-length = 72e3
-pressure = 120e6
-shear = 75e6
+units = "SI"
+contact = "whole line"
+period = 72e3
 rate = 1e-12
 even = true
-[law]
+base = {pressure = 120e6, shear = 75e6}
+[friction_law]
 kind = "rate-and-state"
 a = "0.008 + 0.004 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"
 b = 0.012
@@ -192,12 +168,15 @@ every = 20
     + _CRUST,
     "tpv205": '''
 summary = "SCEC TPV205 in two dimensions: slip weakening with patches of high and low shear"
-length = 96e3
+units = "SI"
+contact = "whole line"
+period = 96e3
+[base]
 pressure = 120e6
 shear = """
 70e6 + 11.6e6 * (abs(x) <= 1.5e3) + 8e6 * (abs(x + 7.5e3) <= 1.5e3)
 - 8e6 * (abs(x - 7.5e3) <= 1.5e3)"""
-[law]
+[friction_law]
 kind = "slip-weakening"
 static = "where(abs(x) <= 15e3, 0.677, 1e4)"
 dynamic = 0.525
@@ -210,39 +189,3 @@ every = 4
     + _CRUST,
 }
 """Descriptions by name, as in TOML files."""
-
-
-def find_interface(source: str) -> InterfaceFile:
-    """Return the interface of a name, or of a TOML file that describes one.
-
-    Raises
-    ------
-    SceneError
-        If the file does not describe one.
-    """
-    if source in NAMED_INTERFACES:
-        # Descriptions that come with the package have no tables, and so no folder.
-        return described(tomllib.loads(NAMED_INTERFACES[source]), source)
-    return read_interface(source)
-
-
-def described_interface(source: object) -> InterfaceFile | None:
-    """Return the interface that a name or a file describes, or that is given; None for others.
-
-    A name of scenes as well, such as "tap", is that of the scene; a file is one of an interface if
-    it has a table [law].
-
-    Raises
-    ------
-    SceneError
-        If the file of an interface is not admissible.
-    """
-    if isinstance(source, InterfaceFile):
-        return source
-    if isinstance(source, Interface):
-        # An interface by itself says nothing of how long it is run.
-        return InterfaceFile(source, math.nan, {})
-    if not isinstance(source, str | PathLike):
-        return None
-    path = fspath(source)
-    return find_interface(path) if kind_of(path) == INTERFACE else None

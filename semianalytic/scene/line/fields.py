@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.arguments import checking
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.tables.columns import read_columns

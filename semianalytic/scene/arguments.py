@@ -43,7 +43,7 @@ _TYPES: Mapping[str, _Check] = {
 }
 """Condition that arguments of an annotation fulfil, and its name in messages."""
 _CLASSES = (
-    *("Material", "Scene", "Marched", "Simulation", "Interface", "Conventions", "Setup"),
+    *("Material", "Scene", "Marched", "Simulation", "Conventions", "Setup"),
     *("OneZone", "AlgorithmReading", "Solution"),
 )
 _ALIKE: Mapping[str, tuple[Any, str]] = {

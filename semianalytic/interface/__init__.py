@@ -1,1 +1,0 @@
-"""Interfaces to be marched: where bodies touch, friction, fields along x, loads, files, names."""
