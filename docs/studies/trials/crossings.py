@@ -22,7 +22,7 @@ from numpy.random import Generator
 
 import slipfront as sf
 from docs.studies.accuracy.march import rate_error
-from docs.studies.golden import random_line, random_march, random_pair, random_scene
+from docs.studies.golden import one_of, random_line, random_march, random_pair, random_scene
 from docs.studies.runner import Row, Study, grouped, main
 from docs.studies.trials.campaign import on_the_interface
 from docs.studies.trials.draws import random_step_scene, random_steps
@@ -228,42 +228,44 @@ def filed(random: Generator) -> float:
     return 0.0 if same else math.inf
 
 
-def _interface(random: Generator) -> sf.Interface:
-    """An interface of any kind: patches, slots, two bodies, laws that stick, weaken or creep."""
+def _line(random: Generator) -> sf.Scene:
+    """A scene along a line: patches, contacts, two bodies, laws that stick, weaken or creep."""
     solid = sf.Material(1.0, 1.0, float(random.uniform(-0.3, 0.45)))
-    friction = float(random.uniform(0.2, 0.7))
-    weak = sf.SlipWeakening(friction, friction * random.uniform(0.3, 0.9), random.uniform(0.1, 0.6))
-    creep = sf.RateAndState(
-        a=0.05, b=float(random.uniform(0.01, 0.04)), f0=friction, v0=1e-3, distance=0.2
+    f = float(random.uniform(0.2, 0.7))
+    law: Any = one_of(
+        random,
+        f,
+        sf.Coulomb(f, viscosity=0.3),
+        sf.SlipWeakening(f, f * random.uniform(0.3, 0.9), random.uniform(0.1, 0.6)),
+        sf.RateAndState(a=0.05, b=random.uniform(0.01, 0.04), f0=f, v0=1e-3, distance=0.2),
     )
-    law = (sf.Coulomb(friction), sf.Coulomb(friction, viscosity=0.3), weak, creep)[
-        random.integers(4)
-    ]
-    width = float(random.uniform(0.3, 1.0))
-    shear = float(random.choice([-1, 1]) * random.uniform(0.5, 2.0))
-    pushed = sf.InterfaceLoad(lambda x: shear * np.exp(-np.square(x / width)), sf.Ramp(0.4))
-    contact = sf.Contact([(-1.0, 1.0)]) if random.random() < 0.3 else sf.Contact()
-    lower = (
-        sf.Material(float(random.uniform(0.5, 2.0)), 1.0, 0.25) if random.random() < 0.2 else None
+    creeps = isinstance(law, sf.RateAndState)
+    width, shear = float(random.uniform(0.3, 1.0)), one_of(random, -1, 1) * random.uniform(0.5, 2)
+    other = sf.Material(float(random.uniform(0.5, 2.0)), 1.0, 0.25)
+    return sf.Scene(
+        solid,
+        law,
+        sf.Tractions(1.0, f if creeps else float(random.uniform(-0.6, 0.6)) * f),
+        sf.InterfaceLoad(lambda x: shear * np.exp(-np.square(x / width)), sf.Ramp(0.4), "line"),
+        contact=sf.Contact([(-1.0, 1.0)]) if random.random() < 0.3 else sf.Contact(),
+        lower_material=other if random.random() < 0.2 else None,
+        rate=1e-3 if creeps else 0.0,
+        period=8.0,
     )
-    rate = 1e-3 if law is creep else 0.0
-    base = friction if law is creep else float(random.uniform(-0.6, 0.6)) * friction
-    settings = {"loads": [pushed], "contact": contact, "rate": rate, "lower_material": lower}
-    return sf.Interface(solid, law, 8.0, pressure=1.0, shear=base, **settings)
 
 
 def halved(random: Generator) -> float:
     """A run of an interface against one of four times the nodes, over frames and contact."""
-    interface = _interface(random)
+    scene = _line(random)
     settings = {"end_time": 1.6, "times": [0.4, 0.8, 1.2, 1.6]}
-    rough = solved(interface, nodes=128, **settings)
-    fine = solved(interface, nodes=512, **settings)
+    rough = solved(scene, nodes=128, **settings)
+    fine = solved(scene, nodes=512, **settings)
     on, worst = rough.interface.touching, 0.0
     for name in ("slip", "slip_rate", "shear_traction"):
         one, other = (getattr(run.interface, name) for run in (rough, fine))
         # nodes lie midway between ends of contacts, or else on one another
         other = other[:, ::4] if on.all() else other.reshape(len(other), -1, 4).mean(axis=-1)
-        size = np.abs(other - float(interface.shear) * (name == "shear_traction"))[:, on].sum()
+        size = np.abs(other - scene.base.shear * (name == "shear_traction"))[:, on].sum()
         allowed = size * (rough.error_estimates[name] + fine.error_estimates[name])
         worst = max(worst, over(np.abs(one - other)[:, on].sum(), allowed + 1e-12 * on.sum()))
     return worst
@@ -273,10 +275,10 @@ def continued(random: Generator) -> float:
     """A march or a run with a stop on its way against the one without."""
     stop = float(random.uniform(0.2, 0.8))
     if random.random() < 0.5:
-        interface = _interface(random)
-        whole = solved(interface, end_time=END, nodes=128, times=[END])
-        begun = solved(interface, end_time=stop, nodes=128, latest=END)
-        gone = solved(interface, end_time=END, go_on=begun, times=[END])
+        line = _line(random)
+        whole = solved(line, end_time=END, nodes=128, times=[END])
+        begun = solved(line, end_time=stop, nodes=128, latest=END)
+        gone = solved(line, end_time=END, go_on=begun, times=[END])
         same = np.array_equal(whole.interface.slip[-1], gone.interface.slip[-1])
         return 0.0 if same else math.inf
     scene = random_march(random)
@@ -298,32 +300,26 @@ def without_slot(random: Generator) -> float:
         # a patch is a force but for the square of its speed over that of its edges
         allowed = 4 * (speed / exact.edge_speed) ** 2 + exact.error_estimate + other.error_estimate
         return abs(other.edge_speed - exact.edge_speed) / (exact.edge_speed * allowed)
-    law = sf.Coulomb(scene.coefficient)
     wide = 4 * scene.material.longitudinal_speed
-    common: dict[str, Any] = {"mode": scene.mode}
     if isinstance(load, sf.Patch):
-        spread = sf.InterfaceLoad(
-            lambda x, t: (
-                load.shear * np.clip((load.speed * t - np.abs(x)) / (wide / 1024) + 0.5, 0, 1)
-            ),
-            history=None,
-        )
-        common |= {"pressure": scene.base.pressure, "shear": scene.base.shear, "loads": [spread]}
+        step = wide / 1024
+
+        def spread(x: Any, t: float) -> Any:
+            return load.shear * np.clip((load.speed * t - np.abs(x)) / step + 0.5, 0, 1)
+
+        loads: Any = sf.InterfaceLoad(spread, history=None)
     else:
-        grown = [load.pressure, load.shear]
-        loads = [
-            sf.InterfaceLoad(pressure=lambda x, t: grown[0] * t**load.power + 0 * x, history=None),
-            sf.InterfaceLoad(  # the pressure stays on the faces of the slot
-                lambda x, t: grown[1] * t**load.power + 0 * x,
-                history=None,
-                on="slot",
-                pressure=lambda x, t: -grown[0] * t**load.power + 0 * x,
-            ),
-        ]
-        contact = sf.Contact.half_line()
-        common |= {"pressure": 0.0, "shear": 0.0, "loads": loads, "contact": contact}
+
+        def grown(of: float) -> Callable[..., Any]:
+            return lambda x, t: of * t**load.power + 0 * x
+
+        pressed, kept = grown(load.pressure), grown(-load.pressure)  # on the slot's faces too
+        loads = (
+            sf.InterfaceLoad(pressure=pressed, history=None),
+            sf.InterfaceLoad(grown(load.shear), history=None, on="slot", pressure=kept),
+        )
     times = np.linspace(0.5, 1.0, 6)
-    line = sf.Interface(scene.material, law, wide, **common)
+    line = replace(scene, load=loads, period=wide)
     run = solved(line, end_time=END, nodes=1024, times=list(times))
     x = run.interface.x[run.interface.touching & (np.abs(run.interface.x) < wide / 4)]
     right, found = (one.slip(x, times[:, None]) for one in (exact, run))
