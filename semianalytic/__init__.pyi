@@ -8,7 +8,6 @@ from semianalytic.engine.scenes.marched import Marched as Marched
 from semianalytic.field.derived import fringe_order as fringe_order
 from semianalytic.field.derived import fringes as fringes
 from semianalytic.field.derived import strain as strain
-from semianalytic.finding import find as find
 from semianalytic.inversion.fitted import Fit as Fit
 from semianalytic.inversion.fitting import fit as fit
 from semianalytic.inversion.gauges import Gauge as Gauge
@@ -25,6 +24,7 @@ from semianalytic.scene.errors import PluginError as PluginError
 from semianalytic.scene.errors import SceneError as SceneError
 from semianalytic.scene.errors import SlipfrontError as SlipfrontError
 from semianalytic.scene.errors import TensionError as TensionError
+from semianalytic.scene.given.finding import find as find
 from semianalytic.scene.given.solids import find_material as find_material
 from semianalytic.scene.incident import IncidentWave as IncidentWave
 from semianalytic.scene.incident import MovingLoad as MovingLoad

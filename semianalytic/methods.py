@@ -10,10 +10,10 @@ from importlib import import_module
 from os import PathLike
 from typing import Any, NamedTuple
 
-from semianalytic.finding import find, kinds_of
 from semianalytic.scene import plugins
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.finding import find
 
 
 class Method(NamedTuple):
@@ -79,6 +79,8 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
         what = f"{name} for a {type(problem).__name__}"
         raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which knows {takes}.")
     answer = solver.solve(problem, **settings)
+    if getattr(answer, "method", "") == _OWN[0]:  # which is saved as its question
+        object.__setattr__(answer, "settings", settings)
     logging.getLogger(__name__).info("a %s by %s: %r", type(problem).__name__, name, answer)
     return answer
 
@@ -105,17 +107,15 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
     names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
     if method not in names:
         raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")
-    kind = min(kinds_of(problem))
-    got = f"a {kind}" if " " in kind else shown(problem)
-    wanted = f"a Scene, or the name or file of one, got {got}"
+    got = shown(problem) if (kind := getattr(problem, "kind", "Scene")) == "Scene" else f"a {kind}"
     subject = "solve: problem must be" if method == "auto" else f"`method` {method} is for"
-    raise SceneError(f"{subject} {wanted}.")
+    raise SceneError(f"{subject} a Scene, or the name or file of one, got {got}.")
 
 
 def _rows(problem: object) -> Iterator[tuple[str, Callable[[], Any]]]:
     """Yield the methods for such problems, each with what imports its module."""
     for row in METHODS:
-        if row.problem in kinds_of(problem):
+        if row.problem == getattr(problem, "kind", ""):
             yield row.name, partial(import_module, f"semianalytic.{row.module}")
     for name in plugins.plugin_names(plugins.METHODS, _OWN):
         if plugin := plugins.find_plugin(plugins.METHODS, name):

@@ -6,7 +6,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from semianalytic.results.saved import kind_of_file
+from semianalytic import solve
+from semianalytic.results.saved import SOLVED, SavedScene, kind_of_file, read_answer
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
@@ -26,8 +27,8 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
 
     Returns
     -------
-    Marched, Run, Simulation or InterfaceHistory
-        The answer as it was saved.
+    Solution, Marched, Run, Simulation or InterfaceHistory
+        The answer as it was saved; an exact one is solved again.
 
     Raises
     ------
@@ -63,6 +64,9 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
         from semianalytic.results.interface_history import InterfaceHistory
 
         return InterfaceHistory.load(path)
+    if kind == SOLVED.rpartition(" ")[0]:
+        asked = read_answer(path, SOLVED, SavedScene, "a solution that was saved", "solve it again")
+        return solve(asked.scene, method="self-similar", **asked.settings)
     if kind != "run along a line":
         raise DataFileError(f"{path} holds no answer of slipfront; give a file that `save` wrote.")
     from semianalytic.engine.result import Run

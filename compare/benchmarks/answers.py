@@ -23,11 +23,9 @@ from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES
-from semianalytic import Marched, Solution, solve
-from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import TOTALS
+from semianalytic import solve
+from semianalytic.results.answer import TOTALS, method_of
 from semianalytic.whole_line.drive import Drive
-from semianalytic.whole_line.solution import LineSolution
 
 Array = NDArray[np.float64]
 
@@ -72,7 +70,7 @@ def _nearest(known: Array, given: ArrayLike) -> NDArray[np.intp]:
     return np.asarray(np.abs(known - wanted).argmin(axis=-1))
 
 
-Answered = Solution | Marched | LineSolution | PairSolution | Stored
+Answered = Any
 
 
 @cache
@@ -159,9 +157,9 @@ def numbers_of(sheet: Sheet) -> dict[str, Any]:
     """
     answer = answer_to(sheet)
     numbers: dict[str, Any] = {}
-    if not isinstance(answer, Stored | Marched):
+    if method_of(answer) == "self-similar":
         numbers["zones"] = [[zone.inner, zone.outer, zone.sense] for zone in answer.zones]
-        if not isinstance(answer, LineSolution):
+        if sheet.problem.has_slot:
             numbers["openings"] = [[part.inner, part.outer] for part in answer.openings]
     if sheet.arrival:
         times = [arrival_time(sheet, answer, x) for x in sheet.stations]
@@ -190,7 +188,7 @@ def stated_errors(sheet: Sheet) -> dict[str, float]:
     answer = answer_to(sheet)
     if isinstance(answer, Stored):
         return dict(answer.errors)
-    if not isinstance(answer, Marched):
+    if method_of(answer) != "space-time":
         return {}
     return {
         name: float(answer.error_of(partial(field_of, sheet, name)).sum() / np.abs(values).sum())

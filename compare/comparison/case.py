@@ -20,9 +20,8 @@ from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.resolution import Shortfall
-from semianalytic.results.answer import Answer
+from semianalytic.results.answer import Answer, method_of
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
@@ -238,9 +237,8 @@ class Case:
     @property
     def error_estimate(self) -> float:
         """Relative error estimate of an exact solution; 0 for any other prediction."""
-        if isinstance(self.prediction, Solution | PairSolution):
-            return self.prediction.error_estimate
-        return 0.0
+        exact = method_of(self.prediction) == "self-similar"
+        return float(getattr(self.prediction, "error_estimate", 0.0)) if exact else 0.0
 
     @cached_property
     def amplified(self) -> str:
@@ -359,7 +357,7 @@ class Case:
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """Shortfalls of a marched prediction: what its nodes are too coarse for."""
-        return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
+        return getattr(self.prediction, "shortfalls", ())
 
 
 def beyond_edge(x: Array, run: Simulation) -> Mask:

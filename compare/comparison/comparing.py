@@ -7,9 +7,9 @@ from typing import Any
 
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
-from semianalytic.finding import find
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.finding import find
 from semianalytic.scene.scene import Scene
 
 __all__ = ["compare"]

@@ -32,7 +32,7 @@ from semianalytic.scene.kinds import HISTORY_FIELDS
 from semianalytic.scene.units import PARAMETERS, unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Reading, Solution
+    from semianalytic import Marched, Reading, Run, Solution
     from semianalytic.dissimilar_slot.solution import PairSolution
     from semianalytic.results.reading import Measured
 
@@ -119,6 +119,13 @@ MARCH_DIMENSIONS: Dimensions = {
     "frictional_work": "stress length^2",
     "stress_intensity_of_a_stuck_edge": "stress sqrt(length)",
     "statistics": {"memory_error": "1", "seconds": "s"},
+}
+RUN_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
+    **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
+    "largest_slip_rate": "length / time",
+    "slipping": "1",
 }
 
 
@@ -265,6 +272,33 @@ def _by_mode(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
     """Stress intensities by name; that of shear is named after its mode."""
     names = ("K_I", f"K_{scene.shear_mode}")
     return {name: float(np.asarray(value)) for name, value in zip(names, values, strict=True)}
+
+
+def run_document(done: Run) -> dict[str, Any]:
+    """A run along a line as plain dictionaries, lists, strings and finite numbers, for JSON."""
+    on = np.abs(done.interface.slip[-1][done.interface.touching])
+    steps = np.diff(done.step_times)
+    document = {
+        "scene": scene_document(done.scene),
+        "method": done.method,
+        "status": done.status,
+        "nodes": done.nodes,
+        "end_time": done.end_time,
+        "steps": done.steps,
+        "shortest_step": float(steps.min()),
+        "longest_step": float(steps.max()),
+        "frames": len(done.interface.t),
+        "largest_slip": float(on.max()),
+        "largest_slip_rate": float(done.peak_rates.max()),
+        "slipping": float(
+            np.mean(np.abs(done.interface.slip_rate[-1][done.interface.touching]) > 0)
+        ),
+        "largest_gap": float(done.interface.gap[:, done.interface.touching].max()),
+        "error_estimates": dict(done.error_estimates),
+        "caution": done.caution,
+    }
+    document["units"] = units_document(document, RUN_DIMENSIONS, done.scene)
+    return document
 
 
 def march_document(marched: Marched) -> dict[str, Any]:

@@ -14,7 +14,6 @@ from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.resolution import nodes_for_loads
 from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
-from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -124,13 +123,6 @@ def predict_like(
     return solve(
         scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
     )
-
-
-def method_of(prediction: Answer) -> str:
-    """Method of a prediction: "self-similar", "space-time" or the name of its class."""
-    if isinstance(prediction, Solution | PairSolution):
-        return "self-similar"
-    return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
 
 
 def _grid(

@@ -17,11 +17,8 @@ from compare.comparison.documents import (
 )
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
-from compare.comparison.prediction import method_of
 from compare.output.files import write_text
-from semianalytic import Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import Answer
+from semianalytic.results.answer import Answer, method_of
 from semianalytic.scene.given.documents import scene_document
 
 if TYPE_CHECKING:
@@ -104,7 +101,7 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
 
 def _exact(prediction: Answer) -> dict[str, Any] | None:
     """Return an exact answer as a document; None for other predictions."""
-    exact = isinstance(prediction, Solution | PairSolution)
+    exact = method_of(prediction) == "self-similar"
     return solution_document(prediction) if exact else None
 
 

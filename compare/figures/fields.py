@@ -29,7 +29,6 @@ from compare.figures.style import (
     scene_words,
 )
 from compare.output.bodies import Fields
-from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995
@@ -135,7 +134,7 @@ def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[f
 
     Between different bodies that slip there is no such wave, and none is marked in their openings.
     """
-    if isinstance(fields, PairSolution):
+    if fields.scene.lower_material is not None:
         return [-body.rayleigh_speed * time for body in fields.scene.bodies]
     speeds = scene_fronts(fields.scene)
     if "Rayleigh" not in speeds:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
 from compare.output.bodies import Fields, shown_speed
-from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
@@ -91,7 +91,7 @@ def fronts(fields: Fields, time: float) -> Iterator[Front]:
     zone edges that move faster than the waves (Mach fronts).  Those of a load whose front moves
     over the slot are inclined, and an incident wave has its own.
     """
-    if isinstance(fields, PairSolution):
+    if fields.scene.lower_material is not None:
         yield from _of_pair(fields, time)
         return
     scene, speeds = fields.scene, scene_fronts(fields.scene)
@@ -137,7 +137,7 @@ def _edge_speeds(parts: Sequence[Moving], time: float) -> list[float]:
     return sorted({place / time for part in parts for place in (part.start, part.end)})
 
 
-def _of_pair(fields: PairSolution, time: float) -> Iterator[Front]:
+def _of_pair(fields: Any, time: float) -> Iterator[Front]:
     """Yield the fronts in two different bodies.
 
     Whatever runs along the contact faster than a wave of a body, a wave of either body or the edge

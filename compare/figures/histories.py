@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.case import Case
-from compare.comparison.prediction import method_of
 from compare.comparison.quantities.history_rows import sense_maps
 from compare.comparison.scales import scene_fronts, slip_rate_scale
 from compare.figures.interface import (
@@ -43,9 +43,8 @@ from compare.figures.style import (
     styled,
     waves_handle,
 )
-from semianalytic import Marched, Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import Answer
+from semianalytic import Marched
+from semianalytic.results.answer import method_of
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
 LEVELS = 400
@@ -55,8 +54,8 @@ LEVELS = 400
 def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     """Return the figures of a comparison, by file name without suffix."""
     figures: dict[str, Callable[[Case], Figure]] = {}
-    solution = case.prediction
-    if isinstance(solution, Solution | PairSolution):
+    solution: Any = case.prediction
+    if method_of(solution) == "self-similar":
         figures = {
             "slip_rate": lambda one: slip_rate_figure(solution, one.seen),
             "tractions": lambda one: tractions_figure(solution, one.seen),
@@ -188,10 +187,10 @@ def _draw_both(panel: Axes, curve: tuple[Array, Array], points: tuple[Array, Arr
     panel.plot(*curve, color=PREDICTION, linewidth=1.2)
 
 
-def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
+def curve(prediction: Any, reach: float, time: float) -> tuple[Array, Array]:
     """Return positions and slip rates (n,) up to a reach, at the resolution of the answer."""
     x = np.linspace(reach / POINTS, reach, POINTS)
-    if isinstance(prediction, Marched):
+    if method_of(prediction) == "space-time":
         x = prediction.interface.x
     return x, prediction.slip_rate(x, time)
 

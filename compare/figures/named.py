@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.histories import march_figure
@@ -26,7 +27,7 @@ def _interface(answer: Any) -> Figure:
         return prediction_figure(answer)
     if isinstance(answer, Marched):
         return march_figure(answer)
-    return answer.plot()[0].figure
+    return np.ravel(answer.plot())[0].figure
 
 
 OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}

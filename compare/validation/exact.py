@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.methods import chosen
-from semianalytic.results.answer import Answer
+from semianalytic.results.answer import Answer, method_of
 
 Array = NDArray[np.float64]
 
@@ -105,8 +106,9 @@ class Exact:
     def doubt(self, name: str, x: float, t: Array) -> float:
         """Mean error over time of the answer itself, by its own estimate, in the unit of `name`."""
         t = np.minimum(t, self.end_time)
-        if isinstance(self.answer, Marched):
-            error = self.answer.error_of(lambda march: getattr(march, name)(x, t))
+        if method_of(self.answer) == "space-time":
+            answer: Any = self.answer
+            error = answer.error_of(lambda march: getattr(march, name)(x, t))
             return float(np.nan_to_num(error).mean())
         return float(getattr(self.answer, "error_estimate", 0.0)) * self.unit(name)
 

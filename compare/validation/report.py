@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from compare.comparison.documents import SCENE_DIMENSIONS, json_text, row_units, units_document
-from compare.comparison.prediction import method_of
 from compare.output.files import write_text
 from compare.validation.validation import Validation
+from semianalytic.results.answer import method_of
 from semianalytic.scene.given.documents import scene_document
 
 FORMAT = "slipfront validation 1"

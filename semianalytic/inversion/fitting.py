@@ -20,7 +20,7 @@ from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.given.finding import described_scene, scene_of_one_solid
+from semianalytic.scene.given.finding import find, scene_of_one_solid
 from semianalytic.scene.scene import Scene
 
 
@@ -156,7 +156,7 @@ def _trials(
     """Return the trials of a fit, after checking what was asked."""
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
-    found = described_scene(given) if isinstance(given, str | PathLike) else given
+    found = find(given) if isinstance(given, str | PathLike) else given
     if isinstance(found, Scene) and found.on_line:
         # here, for fits of scenes are to be quick to import
         from semianalytic.inversion.on_line import line_trials, number_name, plain_name

@@ -233,3 +233,8 @@ def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
     data = dataset(values.pop("x"), values.pop("t"), {**values, **totals}, answer.scene.units)
     data.attrs["title"] = repr(answer)
     return data
+
+
+def method_of(answer: object) -> str:
+    """Return the method of an answer, as "self-similar"; the name of its class if it says none."""
+    return str(getattr(type(answer), "method", type(answer).__name__))

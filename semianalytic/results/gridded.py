@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -18,6 +20,7 @@ from semianalytic.results.answer import (
 )
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.saved import SOLVED, SavedScene, write_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -27,6 +30,9 @@ from semianalytic.scene.units import unit
 @asked_in_units
 class Gridded:
     """An answer, which refuses in one sentence what its class does not say itself."""
+
+    settings: Mapping[str, Any] = MappingProxyType({})
+    """Settings of `solve` that were given for it."""
 
     @property
     def has_bodies(self) -> bool:
@@ -49,9 +55,17 @@ class Gridded:
         """Refuse to say the displacement in the bodies; answers that know the bodies say it."""
         self._unknown("displacement", "ask for slip and gap of the interface")
 
-    def save(self, path: str | Path) -> None:
-        """Refuse to write a file; answers that take long to compute are saved."""
-        self._unknown("save", "solve it again, or write to_xarray(x, t).to_netcdf(path)")
+    def save(self: Any, path: str | Path) -> None:
+        """Write the scene and the settings of `solve` as HDF5, of which `sf.load` solves it again.
+
+        Raises
+        ------
+        MissingLibraryError
+            If h5py is not installed.
+        DataFileError
+            If the file cannot be written.
+        """
+        write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
 
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:
         """Draw slip rate and tractions over x at a time, or the slip rate over (x, t).

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields, is_dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
@@ -15,6 +16,23 @@ from semianalytic.scene.given.documents import scene_document, scene_from_docume
 from semianalytic.scene.scene import Scene
 
 Made = TypeVar("Made")
+SOLVED = "slipfront solution 1"
+"""Format of exact answers, which are solved again."""
+
+
+@dataclass(frozen=True)
+class SavedScene:
+    """What an exact answer follows from.
+
+    Attributes
+    ----------
+    scene : Scene
+    settings : mapping
+        Settings of `solve`.
+    """
+
+    scene: Scene
+    settings: Mapping[str, Any]
 
 
 def write_answer(

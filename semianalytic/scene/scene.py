@@ -363,7 +363,7 @@ class Scene(AlongLine):
         """
         return self.load.slowness(self.material)
 
-    @property
+    @cached_property
     def has_slot(self) -> bool:
         """Whether there is an open slot; a patch, a point force or a half-line has none."""
         return not self.contact.is_whole
@@ -371,6 +371,17 @@ class Scene(AlongLine):
     @property
     def _has_usual_slot(self) -> bool:
         return not isinstance(self.load, WITHOUT_SLOT)
+
+    @property
+    def kind(self) -> str:
+        """What the table of methods calls it."""
+        if self.on_line:
+            return "Scene on a line"
+        if self.grows:
+            return "Scene that grows"
+        if not self.has_slot:
+            return "Scene without a slot"
+        return "Scene" if self.lower_material is None else "Scene of two solids"
 
     @property
     def grows(self) -> bool:

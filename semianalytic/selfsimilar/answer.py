@@ -34,6 +34,8 @@ class SelfSimilarAnswer(Gridded):
     Zones and openings are those of the classes that inherit from this one.
     """
 
+    method = "self-similar"
+
     if TYPE_CHECKING:  # fields of some dataclasses, for which a property here would be a default
 
         @property

@@ -9,22 +9,26 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from compare.comparison.comparing import compare
+from compare.comparison.documents import json_text, run_document
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
-from compare.comparison.report import report_document, write_report
+from compare.comparison.report import judged_document, report_document, write_report
 from compare.comparison.rows import DIFFERS
+from compare.output.files import write_text
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from semianalytic import Marched, Solution
+from semianalytic import Marched, Scene, Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.finding import find
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.answer import method_of
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import (
+    find,
     find_scene,
     scene_folder,
     scene_label,
@@ -102,8 +106,6 @@ def compare_command(
     """
     along = {name: n for name, n in (("nodes", nodes), ("mesh_nodes", mesh_nodes)) if n is not None}
     if scene_name is not None and (found := find(scene_name)).on_line:
-        from slipfront.cli.interfaces import compare_interfaces
-
         scenes = {"from": from_, "budget": budget}
         reason = f"is for scenes with a slot; leave it out for {scene_name}"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
@@ -111,7 +113,7 @@ def compare_command(
         given |= {name: n for name, n in along.items() if name == "nodes"}
         shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
         found = override_scene(found, **overrides, **lower)
-        compare_interfaces(found, scene_name, given, mesh_nodes, output, **shown)
+        _compare_line(found, scene_name, given, mesh_nodes, output, **shown)
         return
     refuse_given(along, "is for scenes on a line; this one takes --resolution")
     require("slipfront compare", *FEM, *PLOT)
@@ -167,7 +169,7 @@ def compare_command(
         Console().print(f"All rows are in {directory / REPORT}", highlight=False)
         if written and judgement.fields is None:
             notes.print(NO_FIELDS, highlight=False)
-    if not isinstance(prediction, Marched):
+    if method_of(prediction) != "space-time":
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
 
@@ -222,3 +224,54 @@ def _without_effect(option: str, other: str) -> SceneError:
     return SceneError(
         f"{option_name(option)} has no effect with {option_name(other)}; leave one of the two out."
     )
+
+
+def _compare_line(
+    scene: Scene,
+    source: str,
+    settings: dict[str, Any],
+    mesh_nodes: int | None,
+    output: Path | None,
+    *,
+    everything: bool,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """March and simulate a scene with settings of `compare`, and judge both.
+
+    All rows are written to a folder if one is given.
+
+    Raises
+    ------
+    ComputationError
+        If the run is unresolved; it is printed before.
+    """
+    require("slipfront compare", *FEM)
+    with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
+        judgement = compare(scene, **settings, mesh_nodes=mesh_nodes, progress=show)
+    case: Any = judgement.case
+    done = case.run
+    meshes = [
+        {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+        for one in case.simulations
+    ]
+    comparison = {**judged_document(judgement), "meshes": meshes}
+    document = {**run_document(done), "status": judgement.verdict, "comparison": comparison}
+    files = [] if output is None else [output / REPORT]
+    for path in files:
+        write_text(path, json_text(document))
+    if as_json:
+        terminal.print_json("compare", document, judgement.verdict, files)
+    else:
+        finest = case.simulations[0]
+        title = (
+            f"{source}: {done.nodes} nodes against finite elements, {finest.nodes} along the "
+            f"interface, {finest.steps} steps"
+        )
+        headings = {"at_nodes": "run", "simulated": "FEM"}
+        named = ("nodes", "mesh_nodes")
+        terminal.print_judgement(judgement, title, headings, named, everything=everything)
+    if judgement.verdict == DIFFERS:
+        raise typer.Exit(1)
+    if done.status != "done":
+        raise ComputationError(f"{source} is {done.status}")

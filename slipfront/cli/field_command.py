@@ -12,7 +12,6 @@ import typer
 from rich.console import Console
 
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
-from compare.comparison.prediction import method_of
 from compare.output.bodies import Fields
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
@@ -20,6 +19,7 @@ from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.answer import method_of
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -226,7 +226,7 @@ def field_command(
     else:
         lines = [f"Written to {directory}/:", *_contents(label, of, request, scene)]
         Console(soft_wrap=True).print("\n".join(lines), highlight=False, markup=False)
-    if isinstance(answer, Marched):
+    if method_of(answer) == "space-time":
         check_resolved(answer, label)
     else:
         check_converged(answer, label)

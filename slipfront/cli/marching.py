@@ -1,8 +1,10 @@
-"""``slipfront solve`` of scenes that are not self-similar: marches that can be resumed."""
+"""``slipfront solve`` of scenes that are marched, beside a slot or along a line."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +12,13 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from compare.comparison.documents import march_document
+from compare.comparison.documents import march_document, run_document
 from compare.output.places import check_file, save_somewhere
-from semianalytic import Marched, Scene, solve
-from semianalytic.engine.scenes.march import march
+from semianalytic import Marched, Run, Scene, solve
+from semianalytic.results.files import write_bytes
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import HDF5, require
+from semianalytic.scene.extras import HDF5, XARRAY, require
 from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.endings.refusals import in_options
@@ -26,6 +28,9 @@ from slipfront.cli.scenes.points import AskedPoints, points_table
 if TYPE_CHECKING:
     from compare.figures.named import Draw
 
+_SHARES = 1000
+"""Parts of a march that the progress bar counts."""
+_ENDS = ("end_time", "go_on")
 _LITTLE = 0.1
 """Share of a load until the end time below which an unresolved march says so."""
 
@@ -50,11 +55,12 @@ def march_command(
         If the march is unresolved or misses --rtol; the result is printed before.
     """
     options = dict(options)
-    if end_time is None and points is not None and "go_on" not in options:
+    if end_time is None and points is not None and not {*scene.run, *options} & {*_ENDS}:
         end_time = points.end_time(scene)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
+    netcdf = save is not None and save.suffix == ".nc"
     if save is not None or earlier is not None:
-        require("a saved march", *HDF5)
+        require(*(("a NetCDF file", *XARRAY) if netcdf else ("a saved march", *HDF5)))
     if save is not None:
         check_file(save)
     from compare.output.progress import progress_bar
@@ -63,35 +69,53 @@ def march_command(
     bar = progress_bar(notes, quiet or as_json, "marching")
     with bar as show, deferred_interrupt() as interruption:
 
-        def progress(done: int, steps: int) -> bool:
-            show(done, steps)
+        def progress(done: float, whole: float) -> bool:
+            # steps, or times of a march along a line
+            part = (int(_SHARES * done / whole), _SHARES) if scene.on_line else (done, whole)
+            show(*part)
             return interruption.pressed
 
-        if earlier is None:
-            every = options.get("every", 1)
-            memory = in_bytes(options.pop("memory", None))
-            options |= {"end_time": end_time, "memory": memory, "progress": progress}
-            options["companion"] = not options.pop("no_estimate", False)
-            marched = solve(scene, method="space-time", **options)
-        else:
-            saved = Marched.load(earlier)
-            every = saved.every
-            marched = _gone_on(saved, earlier, scene, end_time, options, progress)
-    if save is not None:
-        save_somewhere(marched.save, save, save.name)
+        saved: Any = None
+        if earlier is not None:
+            saved = (Run if scene.on_line else Marched).load(earlier)
+            if scene.on_line and scene.period == math.inf:
+                scene = replace(scene, period=saved.scene.period)
+            if saved.scene != scene:
+                raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
+            kept = {"no_estimate"} if scene.on_line else {"memory"}
+            if given := [name for name in options if name not in kept]:
+                raise SceneError(
+                    f"{option_name(given[0])} has no effect with --go-on; leave one of the two out."
+                )
+            options["go_on"] = saved
+        every = options.get("every", 1) if saved is None else getattr(saved, "every", 1)
+        if end_time is not None:
+            options["end_time"] = end_time
+        if "memory" in options:
+            options["memory"] = in_bytes(options["memory"])
+        if options.pop("no_estimate", False):
+            options["estimate" if scene.on_line else "companion"] = False
+        done: Any = solve(scene, method="space-time", progress=progress, **options)
+    if netcdf:
+        # In memory first, for HDF5 files are spoiled if the disk becomes full.
+        content = done.to_xarray().to_netcdf(engine="h5netcdf")
+        save_somewhere(lambda path: write_bytes(path, content), save, save.name)
+    elif save is not None:
+        save_somewhere(done.save, save, save.name)
     if interruption.pressed:
         if save is not None:
-            notes.print(
-                f"{save} holds the march until t = {marched.end_time:.6g}.", highlight=False
-            )
+            notes.print(f"{save} holds the march until t = {done.end_time:.6g}.", highlight=False)
         raise typer.Exit(INTERRUPTED)
-    if marched.every > every and not quiet:
+    if getattr(done, "every", 1) > every and not quiet:
         notes.print(
-            f"Every {marched.every}th level is stored: more would not fit into the memory.",
+            f"Every {done.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    _show(marched, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
-    check_resolved(marched, label)
+    _show(done, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
+    if scene.on_line and done.status != "done":
+        raise ComputationError(f"{label} is {done.status}")
+    if not scene.on_line:
+        check_resolved(done, label)
 
 
 def check_resolved(marched: Marched, label: str) -> None:
@@ -112,28 +136,8 @@ def check_resolved(marched: Marched, label: str) -> None:
     raise ComputationError(f"{label} is unresolved: {why}.")
 
 
-def _gone_on(
-    saved: Marched,
-    path: Path,
-    scene: Scene,
-    end_time: float | None,
-    options: dict[str, Any],
-    progress: Callable[[int, int], bool],
-) -> Marched:
-    """Continue a saved march, to the latest time it can reach unless an end time is given."""
-    if saved.scene != scene:
-        raise SceneError(f"{path} holds a march of another scene; give that scene.")
-    memory = in_bytes(options.pop("memory", None))
-    if options:
-        raise SceneError(
-            f"{option_name(next(iter(options)))} has no effect with --go-on; leave one of the two "
-            "out."
-        )
-    return march(scene, end_time, go_on=saved, memory=memory, progress=progress)
-
-
 def _show(
-    marched: Marched,
+    marched: Any,
     label: str,
     points: AskedPoints | None,
     *,
@@ -149,13 +153,14 @@ def _show(
         save_figure(draw(marched), plot)
     if as_json:
         files = [path for path in (save, plot) if path is not None]
-        document = march_document(marched)
+        document = run_document(marched) if marched.scene.on_line else march_document(marched)
         document = document if points is None else points.with_units(document, marched)
         terminal.print_json("solve", document, files=files)
         return
     if points is not None:  # what was asked for comes first
         Console().print(points_table(marched, points))
-    Console().print(terminal.march_table(marched, label))
+    table = terminal.run_table if marched.scene.on_line else terminal.march_table
+    Console().print(table(marched, label))
     for done, path in (("Saved", save), ("Drawn", plot)):
         if path is not None:
             Console().print(f"{done} in {path}", highlight=False)

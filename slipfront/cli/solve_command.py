@@ -20,7 +20,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.loading import HalfLine
 from slipfront.cli import terminal
-from slipfront.cli.endings.refusals import check_converged, check_no_march_options, refuse_given
+from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -105,20 +105,6 @@ def solve_command(
     """
     label, problem = scene_label(scene_name), find(scene_name)
     problem = override_scene(problem, **overrides, **lower)
-    if problem.on_line:
-        from slipfront.cli.interfaces import solve_interface  # which takes longer to import
-
-        chosen(problem, method)
-        given = {"x": x, "t": t, "plot": plot, "figure": figure}
-        refuse_given(given, f"is for scenes with a slot; leave it out for {label}")
-        end_time = asked(problem, "end_time", end_time, "time")
-        end = {} if end_time is None else {"end_time": end_time}
-        settings = {**end, **march_options}
-        if settings.pop("no_estimate", False):
-            settings["estimate"] = False
-        files = {name: settings.pop(name, None) for name in ("save", "go_on")}
-        solve_interface(problem, label, settings, **files, as_json=as_json, quiet=quiet)
-        return
     if isinstance(problem.load, HalfLine):
         from semianalytic.whole_line.drive import Drive, slot_scene
 

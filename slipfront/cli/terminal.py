@@ -17,6 +17,7 @@ from compare.comparison.documents import (
     envelope,
     json_text,
     march_document,
+    run_document,
     solution_document,
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
@@ -38,7 +39,7 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.comparison.mesh_choice import MeshChoice
     from compare.validation.validation import Validation
     from fem import Simulation
-    from semianalytic import Marched
+    from semianalytic import Marched, Run
 
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
@@ -198,6 +199,32 @@ def march_table(marched: Marched, title: str) -> PrintedTable:
         f"{statistics['steps']} steps of {statistics['nodes']} nodes, {statistics['poles']} "
         f"poles (error {statistics['memory_error']:.0e}), {seconds:.2g} s",
     )
+    return table
+
+
+def run_table(done: Run, title: str) -> PrintedTable:
+    """Return a table of the content of `documents.run_document`, in the units of the scene."""
+    shown = run_document(done)
+    units, table = shown["units"], PrintedTable("quantity", "value", "unit", title=title)
+    table.add_row("until", f"t = {done.end_time:.6g}", units["end_time"])
+    table.add_row("nodes, frames", f"{done.nodes}, {len(done.interface.t)}")
+    table.add_row(
+        "steps",
+        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
+        units["end_time"],
+    )
+    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", units["largest_slip"])
+    table.add_row(
+        "largest slip rate", f"{shown['largest_slip_rate']:.6g}", units["largest_slip_rate"]
+    )
+    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
+    if done.scene.may_open:
+        table.add_row("largest gap", f"{shown['largest_gap']:.6g}", units["largest_gap"])
+    for quantity, error in done.error_estimates.items():
+        table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
+    table.add_row("status", done.status)
+    if done.caution:
+        table.add_row("caution", done.caution)
     return table
 
 

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from semianalytic import Marched, Scene
+from semianalytic import Scene
 from semianalytic.methods import chosen
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
-from slipfront.explore.views import Shown, end_time, interface_view
+from slipfront.explore.views import end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and its content."""
@@ -27,19 +27,19 @@ _COLUMNS = {
 }
 
 
-def figure_file(answer: Shown, form: str) -> Content:
+def figure_file(answer: Any, form: str) -> Content:
     """Return the matplotlib figure of an answer as svg, pdf or png."""
     from compare.figures.histories import march_figure
     from compare.figures.interface import prediction_figure
 
     drawn = io.BytesIO()
-    figure = march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
+    figure = march_figure(answer) if answer.method == "space-time" else prediction_figure(answer)
     figure.savefig(drawn, format=form, dpi=200)
     mime = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}[form]
     return f"slipfront.{form}", mime, drawn.getvalue()
 
 
-def table_file(answer: Shown) -> Content:
+def table_file(answer: Any) -> Content:
     """Return slip rate, slip and tractions along the contact at T as CSV; line 1 has the units."""
     scene, time = answer.scene, end_time(answer.scene)
     x = interface_view(answer).x * scene.material.shear_speed * time
@@ -103,7 +103,7 @@ def program_file(scene: Scene) -> Content:
     return "scene.py", "text/x-python", program(scene).encode()
 
 
-FILES: Mapping[str, Callable[[Shown], Content]] = {
+FILES: Mapping[str, Callable[[Any], Content]] = {
     "svg": lambda answer: figure_file(answer, "svg"),
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),

@@ -18,6 +18,7 @@ from bokeh.models import TextInput
 
 from semianalytic import Marched, Scene, Tractions
 from semianalytic.methods import chosen
+from semianalytic.results.answer import method_of
 from semianalytic.scene.errors import SlipfrontError
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
@@ -60,7 +61,6 @@ from slipfront.explore.views import (
     NODES,
     SPEED,
     FieldView,
-    Shown,
     interface_view,
     space_time_view,
 )
@@ -92,7 +92,7 @@ class Session:
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = self._ruled = start
-        self._answer: Shown | None = None
+        self._answer: Any = None
         self._shown: Scene | None = None
         self._marching: Scene | None = None
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
@@ -199,7 +199,7 @@ class Session:
         query = query_of(values) + self._moment.query
         try:
             scene = scene_of(values)
-            if isinstance(self._answer, Marched) and self._answer.scene == scene:
+            if method_of(self._answer) == "space-time" and self._answer.scene == scene:
                 self._show_march(self._answer, moving, since, query)
                 return
             if self._march_worker.busy and self._marching == scene:
@@ -252,7 +252,7 @@ class Session:
         if not moving and isinstance(marched.scene.load, Tractions):
             self._march_worker.start(marched_field, marched, self._moment)
 
-    def _draw_contact(self, answer: Shown, nodes: int) -> None:
+    def _draw_contact(self, answer: Any, nodes: int) -> None:
         """Draw the pictures of the contact at the present moment."""
         share, space_time = self._moment.share, space_time_view(answer)
         self._interface.draw(interface_view(answer, nodes, share), space_time, share)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from compare.comparison.scales import reference_values
-from semianalytic import Marched, Scene
+from semianalytic import Scene
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
 from semianalytic.scene.units import unit
-from slipfront.explore.views import Shown, end_time
+from slipfront.explore.views import end_time
 
 
-def readings(answer: Shown) -> list[list[str]]:
+def readings(answer: Any) -> list[list[str]]:
     """Return further results of an answer, each with name and value."""
     scene = answer.scene
-    if isinstance(answer, Marched):
+    if answer.method == "space-time":
         slip = float(answer.max_slip(answer.end_time))
         return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
     speed = scene.material.shear_speed

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,6 @@ from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
-Shown = Solution | PairSolution | Marched
-"""Answers that the page shows."""
 KINDS = ("stick", "slip", "reverse slip", "open")
 """States of the contact; arrays store the index of a state."""
 NODES = 300
@@ -83,12 +82,12 @@ class InterfaceView:
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
-def interface_view(answer: Shown, nodes: int = NODES, share: float = 1.0) -> InterfaceView:
+def interface_view(answer: Any, nodes: int = NODES, share: float = 1.0) -> InterfaceView:
     """Return slip rate, slip and tractions along the contact, at `nodes` places and at edges."""
     scene = answer.scene
     end, stress = end_time(scene), stress_scale(scene)
     time, rate = share * end, slip_rate_scale(scene)
-    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes, share)
+    x = _march_places(answer) if answer.method == "space-time" else _places(answer, nodes, share)
     pressure = answer.pressure(x, time)
     return InterfaceView(
         x=x / (scene.material.shear_speed * end),
@@ -147,13 +146,13 @@ class SpaceTimeView:
     waves: Mapping[str, float]
 
 
-def space_time_view(answer: Shown) -> SpaceTimeView:
+def space_time_view(answer: Any) -> SpaceTimeView:
     """Return zones as wedges if they are self-similar, otherwise as an image of slip senses."""
     scene = answer.scene
     speed = scene.material.shear_speed
     fronts = contact_fronts(scene)
     waves = {name: one / speed for name, one in fronts.items()}
-    if isinstance(answer, Marched):
+    if answer.method == "space-time":
         last = float(answer.interface.x[-1]) / (speed * end_time(scene))
         return SpaceTimeView((), _senses(answer), last, waves)
     length = speed * end_time(scene)

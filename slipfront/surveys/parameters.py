@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.finding import find
 from semianalytic.parameters.numbers import numbers_of, spelled
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.finding import checked_scene
+from semianalytic.scene.given.finding import checked_scene, find
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

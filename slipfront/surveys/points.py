@@ -131,19 +131,19 @@ def _alone(scene: Scene, question: Question) -> Values:
     start = process_time()
     try:
         answer = _asked(scene, question)
-        if isinstance(answer, Solution):
-            rate, intensity = answer.edge_slip_rate, np.stack(answer.stress_intensity(1.0))
-            row = _of_solution(answer, "from scratch", rate, intensity, question)
-        elif isinstance(answer, PairSolution):
-            row = _of_solution(answer, "from scratch", answer.edge_slip_rate, None, question)
-        else:
+        if answer.method == MARCHED:
             row = _of_march(answer, question)
+        else:
+            alike = scene.lower_material is None
+            intensity = np.stack(answer.stress_intensity(1.0)) if alike else None
+            rate = answer.edge_slip_rate
+            row = _of_solution(answer, "from scratch", rate, intensity, question)
     except SlipfrontError as error:
         row = _refused(error)
     return {**row, "seconds": process_time() - start}
 
 
-def _asked(scene: Scene, question: Question) -> Solution | PairSolution | Marched:
+def _asked(scene: Scene, question: Question) -> Any:
     if chosen(scene).name != MARCHED:
         return solve(scene, rtol=question.rtol or DEFAULT_RTOL)
     options = {name: getattr(question, name) for name in ("end_time", "nodes", "length", "rtol")}

@@ -220,6 +220,6 @@ def fronts_in(
     that are shorter than a time count as jumps."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
-    if isinstance(prediction, PairSolution):
+    if scene.lower_material is not None:
         return fronts_between(prediction.scene, edges)
     return fronts_of(scene, edges, shortest)

@@ -16,13 +16,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.prediction import predict_like
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
 from compare.figures.style import look
 from docs.studies.runner import Point, Row, Study, main
 from semianalytic import find
-from semianalytic.finding import kinds_of
+from semianalytic.results.answer import method_of
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -159,7 +159,7 @@ def write_figures(folder: Path) -> None:
 
 def points(quick: bool) -> list[Point]:
     """Return all named scenes of a slot in one solid."""
-    alike = (name for name, named in NAMED_SCENES.items() if kinds_of(named.scene) == {"Scene"})
+    alike = (name for name, named in NAMED_SCENES.items() if named.scene.kind == "Scene")
     return [(name, 60 if quick else RESOLUTION) for name in alike]
 
 

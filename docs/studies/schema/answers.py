@@ -76,7 +76,8 @@ _FIELD = {
 }
 
 _INTERFACE_RUN = {
-    "interface": Key("name or file of the interface", TEXT),
+    "scene": _SCENE_KEY,
+    "method": _METHOD,
     "nodes": Key("nodes of one period", WHOLE),
     "end_time": Key("time that was reached", NUMBER),
     "steps": Key("number of steps", WHOLE),
@@ -162,7 +163,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
-        _INTERFACE_RUN,
+        {**_INTERFACE_RUN, "points": _POINTS},
     ),
     "fit": (
         {

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,7 @@ from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.loads import table_bytes
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import state_bytes
-from semianalytic.engine.scenes.stepping import Segment, segments_between
+from semianalytic.engine.scenes.stepping import segments_between
 from semianalytic.engine.scenes.walk import Progress, Walk
 from semianalytic.engine.stepping.blocks import BLOCK_STEPS
 from semianalytic.results.memory import check_memory, memory_limit
@@ -63,19 +62,22 @@ def advance(
         If values are no longer finite.
     """
     began = time.perf_counter()
-    segments = segments_between(
-        marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
-    )
-    coarser = [replace(segment, steps=segment.steps // 2) for segment in segments]
+    # The steps are those of a march until `latest`, wherever it stops and goes on.
+    span = marched.begins, marched.latest
+    whole = segments_between(marched.scene, *span, marched.step_ratio, marched.grid.spacing)
+    finest = min(one.time_step for one in whole)
+    parts = (one.between(marched.end_time, end_time) for one in whole)
+    segments = [one for one in parts if one.steps]
+    coarser = [segment.halved for segment in segments]
     companion = marched.companion
     # `every` is chosen before the first step, from all memory that the march will hold at once.
-    table = _table_bytes(marched, segments)
-    table += 0.0 if companion is None else _table_bytes(companion, coarser)
+    table = _table_bytes(marched, finest)
+    table += 0.0 if companion is None else _table_bytes(companion, 2 * finest)
     every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
-    walk, behind = Walk(marched, segments, every, progress), None
+    walk, behind = Walk(marched, segments, finest, every, progress), None
     if companion is not None:
         # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
-        behind = Walk(companion, coarser, -(-every // 2), None)
+        behind = Walk(companion, coarser, 2 * finest, -(-every // 2), None)
     departure = marched.departure
     for segment, half in zip(segments, coarser, strict=True):
         walk.begin(segment)
@@ -148,11 +150,9 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
     return max(marched.every, math.ceil(steps / levels))
 
 
-def _table_bytes(marched: Marched, segments: Sequence[Segment]) -> float:
+def _table_bytes(marched: Marched, finest: float) -> float:
     """Return the size of the pressure table of a march, or of its march of pressure [bytes]."""
     if marched.scene.front_slowness and marched.scene.superposition.taken_off.pressure:
         return state_bytes(marched.grid.size, marched.statistics.poles)
     contact = marched.grid.size - marched.grid.slot
-    return table_bytes(
-        marched.scene, contact, segments[-1].end / min(one.time_step for one in segments)
-    )
+    return table_bytes(marched.scene, contact, marched.latest / finest)

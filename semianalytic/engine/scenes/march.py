@@ -99,7 +99,8 @@ def march(
         c_l T (c_t T under antiplane shear alone).
     latest : float, optional
         Time to which the march may be continued (`go_on`) [time]; end_time unless given.  The grid
-        is made for it.
+        and the steps are made for it, so that a march before it ends with the step that reaches
+        its end time, and the continued march is the one march.
     companion : bool
         Whether to march a companion on half the nodes and in half the steps, for the error
         estimate; it takes a quarter to a third more time from 1000 nodes on, half below.

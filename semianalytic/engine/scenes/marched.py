@@ -171,6 +171,8 @@ class Marched(AnswerInBodies, SampledAnswer):
     True
     """
 
+    method = "space-time"
+
     scene: Scene
     interface: InterfaceHistory
     totals: Totals

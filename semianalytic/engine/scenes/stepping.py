@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,23 +22,47 @@ Array = NDArray[np.float64]
 class Segment:
     """A span of time from `begin` to `end` [time] without load jumps, in an even number of steps.
 
-    Every second level is then one of the companion as well.
+    Every second level is then one of the companion as well.  A march may take those from the level
+    `first` to the level `last` alone.
     """
 
     begin: float
     end: float
-    steps: int
+    whole: int
+    first: int
+    last: int
+
+    @property
+    def steps(self) -> int:
+        """Number of steps that are taken."""
+        return self.last - self.first
 
     @property
     def time_step(self) -> float:
         """Length of one step [time]."""
-        return (self.end - self.begin) / self.steps
+        return (self.end - self.begin) / self.whole
 
     @property
     def levels(self) -> Array:
-        """Begin and end of all steps, (steps + 1,) [time]."""
+        """Begin and end of all steps of the span, (whole + 1,) [time]."""
         # the end is taken as it is: a jump there has to fall on the level to the last digit
-        return np.append(self.begin + self.time_step * np.arange(self.steps), self.end)
+        return np.append(self.begin + self.time_step * np.arange(self.whole), self.end)
+
+    @property
+    def start(self) -> float:
+        """Time of the level `first` [time]."""
+        return float(self.levels[self.first])
+
+    @property
+    def halved(self) -> Segment:
+        """The same steps for a companion, whose levels are every second one."""
+        return replace(self, whole=self.whole // 2, first=self.first // 2, last=self.last // 2)
+
+    def between(self, start: float, end: float) -> Segment:
+        """Return the steps from a level on until an even level reaches the end [time]."""
+        pairs, rounding = self.levels[::2], 1e-9 * self.time_step
+        first, last = (2 * int(np.searchsorted(pairs, at - rounding)) for at in (start, end))
+        return replace(self, first=min(first, self.whole), last=min(last, self.whole))
 
 
 def segments_between(
@@ -61,10 +85,11 @@ def segments_between(
     ends = [start, *(at for at in {0.0, *load_jumps(scene)} if start < at < end), end]
     ends.sort()
     speed, largest = scene.material.shear_speed, step_ratio * spacing
-    return [
-        Segment(begin, until, 2 * max(1, math.ceil(speed * (until - begin) / largest / 2)))
-        for begin, until in pairwise(ends)
-    ]
+    found = []
+    for begin, until in pairwise(ends):
+        count = 2 * max(1, math.ceil(speed * (until - begin) / largest / 2))
+        found.append(Segment(begin, until, count, 0, count))
+    return found
 
 
 def load_jumps(scene: Scene) -> list[float]:
@@ -88,13 +113,14 @@ def levels_of(
 
     At a jump, the first level takes the shear load just after it and the last one that before it.
     """
-    times, step = segment.levels, segment.time_step
+    taken, step = slice(segment.first, segment.last + 1), segment.time_step
+    times = segment.levels[taken]
     # the slot carries Q_b - Q_0 f
-    loads, uncut = _shear_loads(scene, times), scene.superposition.in_place.shear
+    loads, uncut = _shear_loads(scene, segment.levels)[taken], scene.superposition.in_place.shear
     arrives, kept = scene.arrives, scene.before_load.shear
     changes = scene.superposition.taken_off.pressure != 0
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
-        if changes and now > segment.begin:
+        if changes and now > times[0]:
             _check(scene, now, on_contact, pressure.spacing)
         if front is not None:
             yield Level(now, step, *front.tractions("shear", now, step), on_contact)

@@ -47,6 +47,8 @@ class Walk:
         Where the march starts from; it is not changed.
     segments : sequence of Segment
         The time steps to come.
+    finest : float
+        Shortest step of the whole march [time].
     every : int
         Store every n-th level, and the last.
     progress : callable, optional
@@ -67,11 +69,12 @@ class Walk:
         self,
         marched: Marched,
         segments: Sequence[Segment],
+        finest: float,
         every: int,
         progress: Progress | None,
     ) -> None:
         self.grid, self.every, self.time_step, self.done = marched.grid, every, 0.0, 0
-        self._marched, (self._pressure, self._front) = marched, _loads_on_grid(marched, segments)
+        self._marched, (self._pressure, self._front) = marched, _loads_on_grid(marched, finest)
         self._progress, self._steps = progress, sum(part.steps for part in segments)
         self._taken, self.stopped, self._seen, self._asked = 0, False, marched.seen, False
         earlier, before = marched.interface, marched.statistics.steps
@@ -116,7 +119,7 @@ class Walk:
         first = next(self._levels)
         # A segment that begins neither with the load nor at a jump continues an earlier march,
         # whose rate is the right one already.
-        if segment.begin == marched.begins or segment.begin in load_jumps(scene):
+        if not segment.first and segment.begin in (marched.begins, *load_jumps(scene)):
             blocks.jump(first)
             # Both levels are the same one: nothing is interpolated across a jump.
             now = blocks.reached
@@ -124,7 +127,7 @@ class Walk:
             self._seen = self._seen.with_levels([now.time] * 2, rates)
         else:
             blocks.recall(first.pressure)
-        if segment.begin == marched.recorded_from and not self._stored.count:
+        if segment.start == marched.recorded_from and not self._stored.count:
             rate, traction, slip, path, work = blocks.levels
             self._store([blocks.time], slip, rate, traction, [first.pressure])
             self._sum([blocks.time], slip, path, work)
@@ -217,10 +220,10 @@ class Walk:
 
 
 def _loads_on_grid(
-    marched: Marched, segments: Sequence[Segment]
+    marched: Marched, finest: float
 ) -> tuple[GridPressure | FrontPressure, GridFront | None]:
     """Return the pressure at the nodes of a march, and its load if the front of that moves."""
-    scene, grid, finest = marched.scene, marched.grid, min(one.time_step for one in segments)
+    scene, grid = marched.scene, marched.grid
     front = None
     if scene.front_slowness:
         front = GridFront(scene, grid.nodes, grid.spacing, grid.slot, marched.entry)
@@ -233,7 +236,7 @@ def _loads_on_grid(
             start = (front, opening, grid.line.wavenumbers, marched.damping, marched.begins, finest)
             return FrontPressure(*start), front
     contact = grid.size - grid.slot
-    return GridPressure(scene, contact, grid.spacing, segments[-1].end, finest), front
+    return GridPressure(scene, contact, grid.spacing, marched.latest, finest), front
 
 
 class _Rows:

@@ -20,14 +20,14 @@ from semianalytic.scene.scene import Scene
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
-    """Find a scene with a slot by its name or by the path of a TOML file; see `described_scene`.
+    """Find a scene with a slot by its name or by the path of a TOML file; see `find`.
 
     Raises
     ------
     SceneError, PluginError
-        Those of `described_scene`, or if the scene has no slot, or its load grows.
+        Those of `find`, or if the scene has no slot, or its load grows.
     """
-    scene = described_scene(source)
+    scene = find(source)
     check_slot(fspath(source), scene)
     return scene
 
@@ -48,14 +48,14 @@ def check_slot(what: str, scene: Scene) -> None:
         )
 
 
-def described_scene(source: str | PathLike[str]) -> Scene:
-    """Return the scene of a name, or of the path of a TOML file.
+def find(source: str | PathLike[str]) -> Scene:
+    """Find a problem by its name or by the path of a TOML file.
 
     Parameters
     ----------
     source : str or path
-        A key of `NAMED_SCENES` (docs/scenes.md), a path (anything that ends in .toml or exists as a
-        file), or the name of a scene that another package brings (docs/extending.md).
+        A name that ``slipfront scenes`` lists (docs/scenes.md, docs/engine.md), also of an
+        installed package, or a path: anything that ends in .toml or exists as a file.
 
     Returns
     -------
@@ -64,17 +64,23 @@ def described_scene(source: str | PathLike[str]) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene or file, or the file does not describe a scene.
+        If there is no such name or file, or the file describes none of them; the message says which
+        name is nearest, or which key to change.
     PluginError
-        If the package that brings the scene is broken, or two packages bring it.
+        If the package that brings the name is broken, or two packages bring it.
 
     Examples
     --------
-    >>> from semianalytic import find
-    >>> scene = find("preloaded")
-    >>> scene.friction, scene.load
-    (0.3, Tractions(pressure=0.0, shear=1.0))
+    >>> import semianalytic as sa
+    >>> sa.find("preloaded").friction
+    0.3
+    >>> sa.find("whole-line-patch").load
+    Patch(speed=0.3, pressure=0.0, shear=1.0)
+    >>> sa.find("tpv101").run["end_time"]
+    15.0
     """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(f"find: give a name or the path of a TOML file, got {shown(source)}.")
     source = fspath(source)
     named = NAMED_SCENES.get(source)
     if named is not None:

@@ -13,7 +13,6 @@ from typing import Any
 import typer
 
 from semianalytic import Scene
-from semianalytic.finding import kinds_of
 from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.options import option_name
 
@@ -58,7 +57,7 @@ def check_converged(solution: Any, label: str) -> None:
 def check_no_march_options(given: Mapping[str, Any], problem: Scene) -> None:
     """Raise SceneError if an exact solution is asked for with options of marches."""
     if given:
-        marched = kinds_of(problem) == {"Scene"}
+        marched = problem.kind == "Scene"
         remedy = "add --method space-time" if marched else "leave it out"
         raise SceneError(
             f"{option_name(next(iter(given)))} is for the space-time solver; {remedy}."

@@ -18,7 +18,6 @@ from compare.output.places import check_file
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
-from semianalytic.finding import find
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.fitting import fit
 from semianalytic.inversion.gauges import QUANTITIES
@@ -30,7 +29,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.files import read_document
-from semianalytic.scene.given.finding import check_slot
+from semianalytic.scene.given.finding import check_slot, find
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown

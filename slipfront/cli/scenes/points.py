@@ -98,7 +98,7 @@ def _numbers(scene: Any, name: str, texts: Sequence[str]) -> Iterator[float]:
     dimension = "length" if name == "x" else "time"
     for text in (part for one in texts for part in one.split(",")):
         number = read_number(scene, name, text, dimension)
-        if number <= 0:
+        if number <= 0 and not (name == "x" and scene.on_line):
             raise SceneError(
                 f"{option_name(name)} must be positive: the contact is x > 0 and the load comes at "
                 f"t = 0, got {shown(text)}."

@@ -12,7 +12,7 @@ from compare_cases import differing, named, sampled_run, simulated
 from compare import judge
 from compare.comparison.bars import error_bar
 from compare.comparison.mesh_choice import choose_mesh
-from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.prediction import predict_like
 from compare.comparison.report import report_document
 from docs.studies.dissimilar.pairs import SCENES, random_pair
 from docs.studies.trials.wrong_answers import spoilt
@@ -20,6 +20,7 @@ from fem import simulate, with_companions
 from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions, find, solve
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.answer import method_of
 
 PRELOADED = find("preloaded")
 

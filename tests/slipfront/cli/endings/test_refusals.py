@@ -158,7 +158,7 @@ REFUSED = {
         ("--budget 60s --resolution 40", "--budget has no effect with --resolution; leave one"),
     ],
     "survey fault.toml": [
-        ("--vary load_1_shear_factor=1 --vary friction_law.distance=1m,2m", "do not say"),
+        ("--vary load_1_shear_factor=1 --vary friction_law.distance=1m,2m", "not say which"),
         ("--vary radius=1,2 --t 0.5", "give x as well"),
     ],
 }
