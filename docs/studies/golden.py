@@ -280,7 +280,7 @@ def differences(label: str, before: Answer, now: Answer) -> Iterator[str]:
             continue
         change = np.abs(new - old)
         scale = np.nanmax(np.abs(old), initial=0.0) or 1.0
-        worst = "nan" if np.isnan(change).any() else f"{change.max() / scale:.1e}"
+        worst = "nan" if np.isnan(change).any() else f"{change.max(initial=0.0) / scale:.1e}"
         yield f"{label}: {name} differs by {worst} of {scale:.3g}, estimate {estimate:.1e}"
 
 

@@ -112,10 +112,10 @@ def march_command(
             highlight=False,
         )
     _show(done, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
-    if scene.on_line and done.status != "done":
-        raise ComputationError(f"{label} is {done.status}")
-    if not scene.on_line:
+    if not done.scene.on_line:
         check_resolved(done, label)
+    elif done.status != "done":
+        raise ComputationError(f"{label} is {done.status}")
 
 
 def check_resolved(marched: Marched, label: str) -> None:

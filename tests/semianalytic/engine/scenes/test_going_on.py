@@ -130,5 +130,5 @@ def test_bad_options(options, message):
 def test_tension_is_refused_and_sends_nobody_to_a_solver_that_refuses(options, solved):
     scene = unit_scene(0.3, (0.02, 0.0), (1.0, 0.0), **options)
     with pytest.raises(sf.TensionError, match=r"turn tensile at x.*docs/limits") as refusal:
-        march(scene, nodes=100)
+        march(scene, nodes=100, length=1.0)
     assert ("use `solve`" in str(refusal.value)) == solved
