@@ -87,8 +87,9 @@ def fit(
     >>> found.values.round(3).tolist()
     [0.5]
     """
-    gauges, names = ([*one] if np.iterable(one) else [] for one in (gauges, parameters))
-    gauges, names = tuple(gauges), (parameters,) if isinstance(parameters, str) else tuple(names)
+    gauges = tuple(gauges) if np.iterable(gauges) else ()
+    listed = tuple(parameters) if np.iterable(parameters) else ()
+    names = (parameters,) if isinstance(parameters, str) else listed
     priors, setup = dict(priors or {}), setup or Setup()
     trials = _trials(gauges, scene, names, priors, setup, rtol, nodes)
     names = trials.unknowns.names

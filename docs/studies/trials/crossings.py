@@ -140,7 +140,8 @@ def differentiated(random: Generator) -> float:
         raise Unresolved(derivative.status)
 
     def moved(by: float) -> Any:
-        found = solved(override_scene(scene, **{name: values[name] + by}), rtol=1e-10)
+        changes: dict[str, Any] = {name: values[name] + by}
+        found = solved(override_scene(scene, **changes), rtol=1e-10)
         if len(found.zones) != len(answer.zones):
             raise Unresolved("zones change nearby")
         return found
