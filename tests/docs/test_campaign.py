@@ -35,13 +35,12 @@ def test_problems_answered_in_two_ways(check):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_marches_of_random_histories_keep_the_law(seed):
+    settings = {"end_time": 1.0, "nodes": 200, "method": "space-time", "companion": False}
     marched = []
     for index in range(5):
         scene, _ = drawn(seed, index, random_history_scene)
         with suppress(SlipfrontError):
-            marched.append(
-                solve(scene, end_time=1.0, nodes=200, method="space-time", companion=False)
-            )
+            marched.append(solve(scene, **settings))
     assert len(marched) > 2
     for run in marched:
         end, work = run.interface, run.final_work_density
@@ -84,9 +83,7 @@ FOUND = [
     939,
     963,  # a film that opens, between its nodes
     pytest.param(823, marks=pytest.mark.slow),  # stress intensity that is a small difference
-    pytest.param(
-        1351, marks=pytest.mark.slow
-    ),  # derivatives of a film that slips at the edge alone
+    pytest.param(1351, marks=pytest.mark.slow),  # derivatives of a film slipping at the edge alone
     pytest.param(1522, marks=pytest.mark.slow),  # power of a contact that nearly opens at c_R
 ]
 

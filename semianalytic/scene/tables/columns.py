@@ -68,13 +68,9 @@ class Tables:
         for path, columns in self._known.items():
             names = [one.heading for one in columns[1:] if (path, one.heading) not in self._asked]
             if names:
-                known = ", ".join(one[:40] for one in names[:10])
-                more = f" and {len(names) - 10} more" if names[10:] else ""
-                warnings.warn(
-                    f"{path}: columns that are not read: {known}{more}.",
-                    UnreadColumns,
-                    stacklevel=2,
-                )
+                known = ", ".join(one[:40] for one in names[:10]) + ", ..." * bool(names[10:])
+                sentence = f"{path}: columns that are not read: {known}."
+                warnings.warn(sentence, UnreadColumns, stacklevel=2)
 
 
 def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]]) -> tuple[str, str]:
