@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 def nodes_for_loads(
     scene: Scene, latest: float, length: float, least: int, step_ratio: float = TURN_RATIO
 ) -> tuple[int, str]:
-    """Return how many contact nodes on a length follow the loads until a time, and which needs them.
+    """Return how many nodes on a length follow the loads until a time, and which load needs them.
 
     The step ratio is the largest c_t dt / h; less than 0.5 does not help.  The second result is
     "pressure" or "shear", or "" if the least number is enough, which then is the first.  Raises

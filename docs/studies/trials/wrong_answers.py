@@ -156,11 +156,6 @@ def _ratio(size: float, share: float, scene: sf.Scene) -> sf.Scene:
     return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size * share)
 
 
-def _without_base_shear(_: float, scene: sf.Scene) -> sf.Scene:
-    held = scene.superposition.in_place
-    return replace(scene, base=sf.Tractions(held.pressure, 0.0), load_on=SLOT)
-
-
 def _second_zone_times(factor: float, right: sf.Solution) -> Profiled | None:
     """Multiply the slip rate in the second zone from the edge by 0 or -1."""
     if len(right.zones) < 2:
@@ -225,7 +220,9 @@ MISTAKEN_SCENES: Mapping[str, Callable[[float, sf.Scene], sf.Scene]] = {
     "friction -3 %": partial(_friction, -0.03),
     "ν +0.01": partial(_ratio, 0.01),
     "ν -0.01": partial(_ratio, -0.01),
-    "base shear forgotten": _without_base_shear,
+    "base shear forgotten": lambda _, scene: replace(
+        scene, base=sf.Tractions(scene.superposition.in_place.pressure, 0.0), load_on=SLOT
+    ),
 }
 """Mistakes about the scene, by a share of the usual size."""
 _SELF_SIMILAR: Mapping[str, Make] = {
