@@ -14,7 +14,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
-from semianalytic.scene.arguments import checking
+from semianalytic.scene.arguments import asked_in_units, checking
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
@@ -132,6 +132,7 @@ class ContactOpening:
     length: float
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(SampledAnswer):
     """The result of one finite-element simulation.
@@ -301,9 +302,7 @@ class Simulation(SampledAnswer):
         DataFileError
             If the file cannot be written.
         """
-        directory = Path(directory)
-        directory.mkdir(parents=True, exist_ok=True)
-        write_answer(directory / FILE_NAME, FORMAT, self, compression=4)
+        write_answer(Path(directory) / FILE_NAME, FORMAT, self, compression=4)
 
 
 @checking

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from semianalytic.scene.checks import check_fields, checked_count, checked_size
+from semianalytic.scene.checks import among, check_fields, checked_count, checked_size
 from semianalytic.scene.errors import SceneError
 
 LEAST_RESOLUTION = 8
@@ -80,7 +80,7 @@ class Settings:
             )
         for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
             object.__setattr__(self, name, check_count(name, getattr(self, name), least))
-        if self.model not in ("auto", "two-blocks"):
+        if not among(self.model, ("auto", "two-blocks")):
             raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
 
 

@@ -92,6 +92,8 @@ class Chosen(NamedTuple):  # the method that answers a problem, and its module
 
 def chosen(problem: object, method: str = "auto") -> Chosen:
     """Return the method by which `solve` answers a problem; raises what it raises."""
+    if not isinstance(method, str):
+        raise SceneError(f"method must be a word, got {shown(method)}.")
     refusals: dict[str, str] = {}
     for name, load in _rows(problem):
         if method in ("auto", name):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from compare.records.record import QUANTITIES, Stated
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import among, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tables.units import DIMENSIONS
 
@@ -75,7 +75,7 @@ class Conventions:
     def __post_init__(self) -> None:
         for name, words in WORDS.items():
             value = getattr(self, name)
-            if value is not None and value not in words:
+            if value is not None and not among(value, words):
                 raise SceneError(
                     f"validate: {name} must be one of {', '.join(words)}, got {shown(value)}."
                 )

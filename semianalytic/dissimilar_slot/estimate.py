@@ -22,7 +22,8 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     error = 3e-13 + fine.glued.error(np.array([0.0, fine.interface.compliance.last]))  # rounding
     if not fine.zones:
         return error
-    error += 4.0 * tolerance  # values up to 3 at points between those compared
+    # Values up to 3 at points between those compared, or 6 under a film of resistance 1.5.
+    error += 4.0 * tolerance * max(1.0, 3.0 * fine.interface.resistance)
     # One Newton step from the coarse mismatch tells where the coarse rule would put the edges.
     move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))

@@ -26,6 +26,7 @@ from semianalytic.results.questions import (
 )
 from semianalytic.results.reading import Measured, Reading
 from semianalytic.results.sampled import Totals
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 
@@ -35,6 +36,7 @@ MOST_OFF = 0.1
 """Largest error of the work of stored levels, over that of all steps, with which they add up."""
 
 
+@asked_in_units
 class LineAnswer(Questions, Gridded):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 

@@ -36,30 +36,11 @@ Array = NDArray[np.float64]
 def nodes_for_loads(
     scene: Scene, latest: float, length: float, least: int, step_ratio: float = TURN_RATIO
 ) -> tuple[int, str]:
-    """Return how many contact nodes follow the loads until `latest`, and which load needs them.
+    """Return how many nodes on a length follow the loads until a time, and which load needs them.
 
-    Parameters
-    ----------
-    scene : Scene
-        Its load histories and shear wave speed are used.
-    latest : float
-        Time until which the loads are looked at [time].
-    length : float
-        Length on which the nodes lie [length].
-    least : int
-        Least number of nodes; returned with "" if it is enough.
-    step_ratio : float
-        Largest c_t dt / h; less than 0.5 does not help.
-
-    Returns
-    -------
-    (int, str)
-        The number of nodes, and "pressure" or "shear", or "" if `least` is enough.
-
-    Raises
-    ------
-    SceneError
-        If a load turns back within no time at all.
+    The step ratio is the largest c_t dt / h; less than 0.5 does not help.  The second result is
+    "pressure" or "shear", or "" if the least number is enough, which then is the first.  Raises
+    SceneError if a load turns back within no time at all.
     """
     nodes, reason = least, ""
     # step times nodes: a step of step_ratio h / c_t with h = length / nodes

@@ -21,6 +21,7 @@ from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes, dataset
 from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
@@ -68,6 +69,7 @@ class LineFields:
     gap: Array
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Run(LineAnswer):
     """The slip of an interface from t = 0 until the end of a run, with its error estimates.

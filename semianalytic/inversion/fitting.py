@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 
 import numpy as np
@@ -87,8 +87,9 @@ def fit(
     >>> found.values.round(3).tolist()
     [0.5]
     """
-    gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
-    names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    gauges = tuple(gauges) if np.iterable(gauges) else ()
+    listed = tuple(parameters) if np.iterable(parameters) else ()
+    names = (parameters,) if isinstance(parameters, str) else listed
     priors, setup = dict(priors or {}), setup or Setup()
     trials = _trials(gauges, scene, names, priors, setup, rtol, nodes)
     names = trials.unknowns.names

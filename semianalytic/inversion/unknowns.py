@@ -198,7 +198,7 @@ def _is_lone_gain(name: object) -> bool:
 def check_known(names: tuple[str, ...]) -> None:
     """Raise SceneError for names of no parameter, before any record is read."""
     for name in names:
-        if not _is_lone_gain(name) and name not in UNKNOWNS:
+        if not (isinstance(name, str) and (_is_lone_gain(name) or name in UNKNOWNS)):
             raise SceneError(
                 f"fit: parameters must be among {', '.join(UNKNOWNS)} and gain:NAME, got "
                 f"{shown(name)}."

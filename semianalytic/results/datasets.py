@@ -39,25 +39,11 @@ def attributes(dimension: str, meaning: str, units: str) -> dict[str, str]:
 
 
 def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any], units: str = "") -> Any:
-    """Return quantities at positions and times as an `xarray.Dataset` of dimensions t and x.
+    """Return quantities at positions x (n,) and times t (m,) as an `xarray.Dataset` over t and x.
 
-    Every variable has `attributes`; the dataset names the program and its version as its source.
-
-    Parameters
-    ----------
-    x : (n,) array
-        Positions [length].
-    t : (m,) array
-        Times [time].
-    values : mapping of name to array
-        Fields (m, n), and totals of the contact (m,).
-    units : str
-        Units of the scene: "SI", or "" for any consistent set.
-
-    Raises
-    ------
-    MissingLibraryError
-        If xarray is not installed.
+    The values are fields (m, n) and totals of the contact (m,).  Every variable has `attributes`;
+    the dataset names the program and its version as its source.  Raises MissingLibraryError without
+    xarray.
     """
     with needing("to_xarray"):
         import xarray

@@ -22,6 +22,7 @@ from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.saved import SOLVED, SavedScene, write_answer
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
 
@@ -90,6 +91,8 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
+        if ax is not None and not hasattr(ax, "pcolormesh"):
+            raise SceneError(f"plot: ax must be Axes of matplotlib, got {shown(ax)}.")
         return drawn(self, ax, t)
 
     def animate(self: Any, path: str | Path, t: ArrayLike | None = None) -> None:

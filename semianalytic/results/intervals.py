@@ -18,27 +18,13 @@ EDGE_STEPS = 2
 
 
 def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterval, ...]:
-    """Find the intervals that slip from a sampled slip rate.
+    """Find the intervals that slip from a slip rate sampled at increasing x > 0, both (n,).
 
     An interval is a run of two or more samples of one sign whose size exceeds `least`.  Its ends
     are placed between samples by the square-root law of slip rate at an edge: a straight line
     through the squares of the two samples next to the end is followed down to zero, but no further
-    than `EDGE_STEPS` steps.
-
-    Parameters
-    ----------
-    x : (n,) array
-        Positions [length], increasing, all positive; velocities x/t do as well.
-    slip_rate : (n,) array
-        Relative slip rate [length / time].
-    least : float
-        Largest |slip rate| that counts as none [length / time].
-
-    Returns
-    -------
-    tuple of SlipInterval
-        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
-        that holds the last sample ends at infinity.
+    than `EDGE_STEPS` steps.  Intervals go from the contact edge outward; one that holds the first
+    sample starts at 0, one that holds the last ends at infinity.  Velocities x/t do as well as x.
     """
     sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
     return tuple(
@@ -47,25 +33,10 @@ def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterv
 
 
 def open_intervals(x: Array, gap: Array, least: float = 0.0) -> tuple[OpenInterval, ...]:
-    """Find the open intervals from a sampled gap, like `slip_intervals`.
+    """Find the open intervals from a sampled gap >= 0, like `slip_intervals`.
 
     At a smooth end the gap grows like the distance to the power 3/2, so the line goes through its
     powers 2/3.
-
-    Parameters
-    ----------
-    x : (n,) array
-        Positions [length], increasing, all positive; velocities x/t do as well.
-    gap : (n,) array
-        Opening of the contact [length], >= 0.
-    least : float
-        Largest gap that counts as none [length].
-
-    Returns
-    -------
-    tuple of OpenInterval
-        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
-        that holds the last sample ends at infinity.
     """
     return tuple(OpenInterval(*_ends(x, gap ** (2 / 3), run)) for run in _runs(gap > least))
 

@@ -8,7 +8,7 @@ import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
-from os import PathLike
+from os import fspath
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,12 +26,14 @@ def _is_number(value: object) -> bool:
 
 
 def _is_array(value: Any) -> bool:
+    # texts and dates would become numbers; rows of different lengths raise, as in all checks
+    kind = np.asarray(value).dtype.kind
     np.asarray(value, dtype=float)
-    return value is not None and not np.iscomplexobj(value)
+    return kind in "biuf" or (kind == "O" and all(isinstance(one, Real) for one in np.ravel(value)))
 
 
 _Check = tuple[Callable[[Any], bool], str]
-_PATH: _Check = (lambda value: isinstance(value, str | PathLike), "a path")
+_PATH: _Check = (lambda value: "\0" not in fspath(value), "a path")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, "a number"),
     "ArrayLike": (_is_array, "a number or an array of numbers"),

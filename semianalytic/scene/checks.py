@@ -48,6 +48,11 @@ def plain(value: Any) -> Any:
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
+def among(value: object, words: Collection[str]) -> bool:
+    """Return whether a value is one of some words; arrays, which compare in parts, are none."""
+    return isinstance(value, str) and value in words
+
+
 def finite(value: object) -> float | None:
     """Return a finite real number of any type, numpy's scalars included, as float; else None.
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from semianalytic.scene.checks import (
     LARGEST,
+    among,
     check_fields,
     checked_kind,
     checked_number,
@@ -79,7 +80,7 @@ class IncidentWave:
     from_: str = "below"
 
     def __post_init__(self) -> None:
-        if self.kind not in WAVES:
+        if not among(self.kind, WAVES):
             raise SceneError(
                 f"incident wave: kind must be one of {', '.join(WAVES)}, got {shown(self.kind)}."
             )

@@ -154,25 +154,10 @@ def find_plugin(group: str, name: str) -> Plugin | None:
 def known_class(name: str, group: str, base: type, own: Mapping[str, type], kind: Any) -> type:
     """Return the class that a kind stands for, from this package or a plugin.
 
-    Parameters
-    ----------
-    name : str
-        Name of the table that gives the kind, for messages.
-    group : str
-        `LAWS` or `HISTORIES`.
-    base : type
-        Base class that a class of a plugin must inherit.
-    own : mapping from kind to class
-        Classes of this package, whose kinds cannot be taken by another one.
-    kind : object
-        Name by which a scene refers to the class.
-
-    Raises
-    ------
-    SceneError
-        If there is no such kind.
-    PluginError
-        If the class of a plugin lacks something that solvers need.
+    The name is that of the table that gives the kind, for messages; the group is `LAWS` or
+    `HISTORIES`, `base` what classes of plugins must inherit, and `own` has the classes of this
+    package, whose kinds no other one can take.  Raises SceneError if there is no such kind, and
+    PluginError if the class of a plugin lacks something that solvers need.
     """
     if isinstance(kind, str) and "." in kind:  # of the program that runs; nothing is imported
         module, _, attribute = kind.rpartition(".")

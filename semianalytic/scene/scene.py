@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import among, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
@@ -190,19 +190,19 @@ class Scene(AlongLine):
                     f"scene: {name} must be one of {known}, or of a package that brings it "
                     f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
                 )
-        if self.mode not in MODES:
+        if not among(self.mode, MODES):
             raise SceneError(
                 f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)} "
                 "(docs/not_here.md)."
             )
-        if self.load_on not in LOADED:
+        if not among(self.load_on, LOADED):
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
             )
         # Numbers given with units have been turned into those of the SI.
         if made_in_si(self) and not self.units:
             object.__setattr__(self, "units", SI)
-        if self.units not in ("", SI):
+        if not among(self.units, ("", SI)):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if isinstance(self.load, WITHOUT_SLOT) and self.contact == HALF_LINE:
             object.__setattr__(self, "contact", WHOLE_LINE)

@@ -16,6 +16,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.gridded import AnswerInBodies
+from semianalytic.results.places import finite_times
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import traction_ahead
@@ -210,7 +211,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         a slipping edge has |K_II| = f K_I. In antiplane shear the second value is K_III
         (docs/theory.md, "Stuck tractions").
         """
-        scene = self.scene
+        scene, t = self.scene, finite_times(t)
         unit = Tractions(1.0, 1.0)
         mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
         pressure, factors = scene.superposition.taken_off.pressure, self.profile.fields.factors

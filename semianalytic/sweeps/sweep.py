@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.datasets import QUANTITIES, attributes
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
@@ -34,6 +35,7 @@ _OF_SWEEPS = {
 """Units and meaning of the variables of sweep datasets that are no fields."""
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """The solutions of one scene with different friction coefficients and Poisson ratios.
@@ -135,7 +137,7 @@ class Sweep:
         with needing("to_xarray"):
             import xarray
 
-        x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+        x, t = (np.ravel(np.asarray(samples, dtype=float)) for samples in (x, t))
         along, places = "friction", {"friction": ("friction", self.friction)}
         if len(set(self.poisson_ratio.tolist())) > 1:
             along = "point"

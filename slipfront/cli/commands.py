@@ -23,6 +23,7 @@ from semianalytic.scene.plugins import plugin_at_fault
 from slipfront.cli.endings.faults import READER_GONE, crashed, printable
 from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
 from slipfront.cli.endings.refusals import in_one_sentence, in_options
+from slipfront.cli.endings.unread import unread_said
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 
@@ -209,7 +210,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _make_streams_lenient()
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
-        with needing("This command"):
+        with needing("This command"), unread_said(as_json="--json" in arguments):
             command_for(arguments)(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)

@@ -31,6 +31,7 @@ from semianalytic.scene.loads import Step
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import in_options
+from slipfront.cli.endings.unread import NOTES
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
 
 if TYPE_CHECKING:  # most commands print an answer, and judge none
@@ -47,7 +48,9 @@ DIGITS = 4
 def print_json(
     command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
 ) -> None:
-    """Print the `envelope` of a document."""
+    """Print the `envelope` of a document, with columns of tables that were not read."""
+    if unread := [*document.get("unread", ()), *NOTES]:
+        document = {**document, "unread": unread}
     sys.stdout.write(json_text(envelope(command, document, status, files)))
 
 

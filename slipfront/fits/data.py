@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ def gauges_and_notes(
     """
     given = _checked_noise({} if noise is None else noise)
     paths = [paths] if isinstance(paths, str | PathLike) else paths
-    if not isinstance(paths, Iterable) or not all(isinstance(p, str | PathLike) for p in paths):
+    if not (np.iterable(paths) and all(isinstance(p, str | PathLike) for p in paths)):
         raise SceneError(f"read_gauges: paths must be a path or several, got {shown(paths)}.")
     parts: list[_Made] = []
     notes: dict[str, None] = {}

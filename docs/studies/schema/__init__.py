@@ -25,6 +25,7 @@ ENVELOPE: Mapping[str, Key] = {
     "status": Key("done; converged, resolved or the reason why not; or the verdict", TEXT),
     "units": Key("units of all numbers, under the same names; one for a whole list", UNITS),
     "files": Key("files written", list_of(TEXT)),
+    "unread": Key("columns of tables that are not read, if there are any", list_of(TEXT), False),
 }
 
 

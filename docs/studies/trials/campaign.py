@@ -82,7 +82,7 @@ def errors(rough: Solution, fine: Solution, random: Generator, index: int) -> Ro
     """Errors over estimates by quantity; fields in the bodies of one scene in three, derivatives of
     another."""
     found = {"edges": error_between(rough, fine) / _bound(rough, fine)}
-    found |= _on_the_interface(rough, fine, random) | _totals(rough, fine)
+    found |= on_the_interface(rough, fine, random) | _totals(rough, fine)
     if isinstance(rough.scene.friction, float):
         found["coulomb"] = broken_law(rough, random) / _bound(rough, fine)
     if index % 3 == 0:
@@ -104,14 +104,15 @@ def _largest_load(scene: sf.Scene) -> float:
 
 
 def _clear(solution: Solution, random: Generator) -> Array:
-    """Positions at unit time off edges and c_R, close to the edge too."""
+    """Positions at unit time off edges and c_R, close to the contact edge too under one body."""
     material = solution.scene.material
-    fastest, speed = material.longitudinal_speed, material.shear_speed
+    fastest, speed = material.longitudinal_speed, min(b.shear_speed for b in solution.scene.bodies)
+    least = 0.0 if solution.scene.lower_material is None else -1.0
     x = np.concatenate(
         [random.uniform(0, 1.1 * fastest, _POINTS), fastest * 10 ** random.uniform(-6, -1, 10)]
     )
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
-    edges = [edge for one in parts for edge in (one.inner, one.outer) if 0 < edge < math.inf]
+    edges = [edge for one in parts for edge in (one.inner, one.outer) if least < edge < math.inf]
     marks = np.array([*edges, material.rayleigh_speed])
     return x[np.abs(x[:, None] - marks).min(axis=1) > _CLEAR * speed]
 
@@ -129,14 +130,16 @@ def _both(rough: Solution, fine: Solution, name: str, *at: Array) -> tuple[Array
     return one - other, other
 
 
-def _on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row:
+def on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row:
     bound, scene = _bound(rough, fine), rough.scene
     clear, fastest = _clear(fine, random), scene.material.longitudinal_speed
     anywhere = random.uniform(0, 1.05 * fastest, _POINTS)
     rate, rates = _both(rough, fine, "slip_rate", clear)
     slip, _ = _both(rough, fine, "slip", anywhere)
     shear, shears = _both(rough, fine, "shear_traction", clear)
-    pressure, _ = _both(rough, fine, "pressure", clear)
+    pressure, pressures = _both(rough, fine, "pressure", clear)
+    # between two bodies slip changes the pressure, without a bound at the contact edge
+    own = 0.0 if scene.lower_material is None else np.abs(pressures)
     load, base = _largest_load(scene), scene.superposition.in_place.pressure
     rounding = _ROUNDING * max(base * max(scene.coefficient, 1.0), load) / bound
     # a zone that slips less than the estimate may be missing
@@ -148,7 +151,9 @@ def _on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row
         "slip_rate": _over(rate, fastest_slip, bound),
         "slip": _over(slip, fine.max_slip(1.0), bound),
         "traction": _over(shear, near, bound),
-        "pressure": _over(pressure, base + abs(scene.superposition.taken_off.pressure), bound),
+        "pressure": _over(
+            pressure, own + base + abs(scene.superposition.taken_off.pressure), bound
+        ),
     }
     if fine.openings:
         ends = max(zone.outer for zone in fine.openings)

@@ -15,26 +15,11 @@ Array = NDArray[np.float64]
 class Balance:
     """Slip rate and traction of each node at the end of a step, under the traction that stops it.
 
-    Neither friction nor slots know of the memory, which is contained in that traction.
-
-    Parameters
-    ----------
-    law : Law
-        Friction, drawn on the nodes of the contact.
-    impedance : float
-        Traction per relative slip rate of plane waves [stress time / length].
-    touching : (n,) array of bool
-        Whether the bodies touch; the rest is slot.
-    grid : Grid
-        Nodes.
-    falls : bool
-        Whether nodes at which the excess of traction over strength has fallen since the level
-        before do without the mean over their stretch; see `area_means`.
-
-    Attributes
-    ----------
-    on, slots : slice or (n,) array of bool
-        The nodes of the contact, and the others.
+    Neither friction, drawn on the nodes of the contact, nor slots know of the memory, which is
+    contained in that traction.  The impedance is the traction per relative slip rate of plane waves
+    [stress time / length]; `falls` says whether nodes at which the excess of traction over strength
+    has fallen since the level before do without the mean over their stretch (`area_means`).  Masks
+    `on` and `slots` have the nodes of the contact, and the others.
     """
 
     def __init__(
@@ -202,21 +187,10 @@ def freed_rate(
 
     Only radiation resists the faces of a slot at once.  An iteration like that of the contact,
     where friction rises with slip rate, therefore diverges over long steps; V + h * V = load is
-    solved by conjugate gradients instead, in 2 to 5 iterations.
-
-    Parameters
-    ----------
-    grid : Grid
-        Nodes.
-    touching : (n,) array of bool
-        Whether the bodies touch; the rest is slot.
-    rate : (n,) array
-        Slip rate less that of the plates: wanted on the contact, a guess on slots [length / time].
-    load : (n,) array
-        Traction of the uncut line less that of slot faces, over the impedance [length / time].
-    past, feedback : (rows, m) and (m,) arrays
-        Convolution without the rate at the end of the step, and the share of that rate in it; see
-        `LineMemory`.
+    solved by conjugate gradients instead, in 2 to 5 iterations.  The rate (n,), less that of the
+    plates, is a guess on slots; the load (n,) is the traction of the uncut line less that of slot
+    faces, over the impedance [length / time]; past (rows, m) and feedback (m,) are the convolution
+    without the rate at the end of the step, and the share of that rate in it; see `LineMemory`.
     """
     from scipy.sparse.linalg import LinearOperator, cg
 

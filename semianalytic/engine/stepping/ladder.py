@@ -21,25 +21,10 @@ Array = NDArray[np.float64]
 class Ladder:
     """Lengths of steps: the shortest one times a power of `LADDER`, whose exponent is the rung.
 
-    Parameters
-    ----------
-    law : Law
-        Friction, drawn on the nodes of the contact.
-    touching : (n,) array of bool
-        Whether the bodies touch; the rest is slot.
-    pace : LoadPace
-        What the loads allow.
-    unilateral : Unilateral, optional
-        The opening of the contact, if it may open.
-    impedance : float
-        Traction per relative slip rate of plane waves [stress time / length].
-    shortest, longest : float
-        Lengths of the lowest rung, and the longest one that was asked for [time].
-    bound : float
-        Step at which an iteration converges, over the traction that a slip rate meets at once
-        [length / stress].
-    state_share : float
-        Largest slip of a step over the slip in which the state of friction changes.
+    Law, contact, loads and the opening of the contact say which rungs are allowed: `bound` is the
+    step at which an iteration converges, over the traction that a slip rate meets at once
+    [length / stress], and `state_share` the largest slip of a step over the slip in which the state
+    of friction changes.  The impedance is the traction per relative slip rate of plane waves.
     """
 
     def __init__(

@@ -27,6 +27,7 @@ from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, known_class
 from semianalytic.scene.scene import IN_PLANE, Scene
+from semianalytic.scene.tables.columns import Tables
 
 WHOLE_LINE = "whole line"
 """Contact of bodies that touch everywhere, as files have it."""
@@ -210,6 +211,7 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
         **{"mode": IN_PLANE, **parts},
     )
     read.check_named()
+    read.tables.warn_of_unread()
     return scene
 
 
@@ -227,7 +229,7 @@ class _Reading:
     """The fields of one file: its folder, its named numbers, and those that stand somewhere."""
 
     def __init__(self, folder: Path, numbers: Any) -> None:
-        self.folder, self.named = folder, set[str]()
+        self.folder, self.named, self.tables = folder, set[str](), Tables()
         self.numbers = checked_table("numbers", numbers)
         for name, value in self.numbers.items():
             if not name.isidentifier() or name in (*RESERVED, *_TAKEN):
@@ -258,7 +260,8 @@ class _Reading:
         if isinstance(value, dict) and set(value) == {"x", "values"}:
             return Table(value["x"], value["values"])
         if isinstance(value, dict) and "file" in value and set(value) <= {"file", "column"}:
-            return Table.read(self.folder / str(value["file"]), str(value.get("column", "")))
+            path = self.folder / str(value["file"])
+            return Table.of_columns(path, *self.tables.pair(path, str(value.get("column", ""))))
         raise SceneError(
             f"{name} must be a number, an expression of x, {{x = [...], values = [...]}} or "
             f'{{file = "...", column = "..."}}, got {shown(value)}.'

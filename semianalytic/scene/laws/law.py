@@ -355,7 +355,8 @@ def not_negative(owner: str, **values: Any) -> None:
 def _check(what: str, value: Any, admitted: Any, words: str) -> None:
     if callable(value):
         return
-    if not isinstance(value, np.ndarray) or value.ndim > 1:  # values at nodes are a row
+    # values at nodes are a row
+    if not isinstance(value, np.ndarray) or value.ndim > 1 or value.dtype.kind not in "iuf":
         checked_number(what, value, words, admitted)
         return
     wrong = ~(np.isfinite(value) & admitted(value))

@@ -20,27 +20,12 @@ BARRIER = 10.0
 def sampled(
     what: str, field: Any, x: Array, spacing: float = 0.0, largest: float = math.inf
 ) -> Array:
-    """Return a field at positions x, (n,).
+    """Return a number, function of x or Table at positions x, (n,) [length].
 
-    Parameters
-    ----------
-    what : str
-        Name of the field, for messages.
-    field : float, function of x or Table
-        The field.
-    x : (n,) array
-        Positions [length].
-    spacing : float
-        Node distance [length] of a field whose nodes stand for a cell each: where it jumps within
-        a cell, the node takes the mean.  A node that took its value would move the jump by up to
-        half a node distance, an error of first order.
-    largest : float
-        Largest ratio of the values in a cell of which the mean is taken.
-
-    Raises
-    ------
-    SceneError
-        If the field is of another kind, or has no finite number at one of the positions.
+    Where a field jumps within a cell, one node `spacing` [length] long, the node takes the mean, if
+    values in the cell are within the ratio `largest`.  A node that took its value would move the
+    jump by up to half a node distance, an error of first order.  Raises SceneError, which names
+    `what`, if the field is of another kind, or has no finite number at one of the positions.
     """
     number = finite(field)
     if number is not None:

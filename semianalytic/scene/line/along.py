@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_number, checked_size, plain, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import beyond_similarity
@@ -59,7 +60,8 @@ class AlongLine:
             return "contacts"
         usuals = {"period": math.inf, "plate_rate": 0.0, "held": math.inf, "rate": 0.0}
         for name, usual in usuals.items():
-            if callable(getattr(self, name)) or getattr(self, name) != usual:
+            given = getattr(self, name)
+            if not isinstance(plain(given), Real) or given != usual:
                 return f"`{name}`"
         return next(
             (f"`{name}`" for name in ("even", "adhesion", "run") if getattr(self, name)), ""
@@ -145,7 +147,7 @@ class AlongLine:
         plate = checked_number("scene: plate_rate", self.plate_rate)
         object.__setattr__(self, "plate_rate", plate)
         for name in ("held", "period"):
-            if (size := getattr(self, name)) != math.inf:
+            if not isinstance(plain(size := getattr(self, name)), Real) or size != math.inf:
                 object.__setattr__(self, name, checked_size(f"scene: {name}", size))
         reach = self.period / 2
         for begin, end in self.contact.intervals:

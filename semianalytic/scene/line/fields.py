@@ -19,7 +19,7 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.sampling import sampled
-from semianalytic.scene.tables.columns import read_columns
+from semianalytic.scene.tables.columns import Column, Tables
 from semianalytic.scene.tables.units import EXAMPLES
 
 Array = NDArray[np.float64]
@@ -114,12 +114,12 @@ class Table(Alike):
         SceneError
             If the file cannot be read, or a number or a unit is not known.
         """
-        columns = read_columns(path)
-        at = [one for one in columns[1:] if column in ("", one.name, one.heading)]
-        if not at:
-            names = ", ".join(one.heading for one in columns)
-            raise SceneError(f"{path}: there is no column {column!r}; it has {names}.")
-        x, values = columns[0].numbers(path, ("length",)), at[0].numbers(path, EXAMPLES)
+        return cls.of_columns(path, *Tables().pair(path, column))
+
+    @classmethod
+    def of_columns(cls, path: str | PathLike[str], along: Column, column: Column) -> Table:
+        """Return the table of two columns of a file, as `read` does."""
+        x, values = along.numbers(path, ("length",)), column.numbers(path, EXAMPLES)
         if len(x) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")
         return cls(x, values)

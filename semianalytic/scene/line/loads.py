@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.checks import among, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
@@ -66,7 +66,7 @@ class InterfaceLoad(Alike):
             raise SceneError(
                 f"load: history must be a LoadHistory or a function of t, got {shown(history)}."
             )
-        if self.on not in (None, "line", "slot"):
+        if self.on is not None and not among(self.on, ("line", "slot")):
             raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
         for name in ("shear", "pressure"):
             given = getattr(self, name)

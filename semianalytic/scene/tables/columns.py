@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from os import PathLike
@@ -38,6 +39,38 @@ class Column:
         if not np.isfinite(self.values).all():
             raise SceneError(f"{path}: {self.name} must hold finite numbers in every row.")
         return size * self.values
+
+
+class UnreadColumns(UserWarning):
+    """Columns of a table that no field is read from."""
+
+
+class Tables:
+    """The tables of one scene, each read once, and which of their columns it asks for."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, tuple[Column, ...]] = {}
+        self._asked: set[tuple[str, str]] = set()
+
+    def pair(self, path: str | PathLike[str], name: str = "") -> tuple[Column, Column]:
+        """Return the first column, x, and the one of a name; the second one without a name."""
+        key = str(path)
+        columns = self._known[key] = self._known.get(key) or read_columns(path)
+        found = next((one for one in columns[1:] if name in ("", one.name, one.heading)), None)
+        if found is None:
+            names = ", ".join(one.heading for one in columns)
+            raise SceneError(f"{path}: there is no column {shown(name)}; it has {names}.")
+        self._asked.add((key, found.heading))
+        return columns[0], found
+
+    def warn_of_unread(self) -> None:
+        """Warn once of each table that has columns nothing asked for."""
+        for path, columns in self._known.items():
+            names = [one.heading for one in columns[1:] if (path, one.heading) not in self._asked]
+            if names:
+                known = ", ".join(one[:40] for one in names[:10]) + ", ..." * bool(names[10:])
+                sentence = f"{path}: columns that are not read: {known}."
+                warnings.warn(sentence, UnreadColumns, stacklevel=2)
 
 
 def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]]) -> tuple[str, str]:

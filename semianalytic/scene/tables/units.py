@@ -62,24 +62,10 @@ def names_no_unit(text: str, dimension: str) -> bool:
 
 
 def si_size(name: str, dimension: str) -> float | None:
-    """Factor from a unit to that of the SI.
+    """Factor from a unit, named as files have it ("mm/s", "m s^-1", "psi"), to that of the SI.
 
-    Parameters
-    ----------
-    name : str
-        As a file has it: "mm", "µs", "mm/s", "m s^-1", "N/mm^2", "psi".
-    dimension : str
-        A dimension of `semianalytic.scene.units`, such as "length", "length / time" or "stress".
-
-    Returns
-    -------
-    float or None
-        None if it is no known unit of that dimension.
-
-    Raises
-    ------
-    MissingLibraryError
-        If pint is not installed and the unit is not one of the SI with a common prefix.
+    It is None if it is no known unit of the dimension, one of `semianalytic.scene.units`.  Raises
+    MissingLibraryError without pint if it is not one of the SI with a common prefix.
     """
     text = name.strip()
     if text == unit(dimension, SI):

@@ -1,0 +1,374 @@
+"""Random problems answered in two ways: ``python -m docs.studies.trials.crossings --output docs``.
+
+The answer to each of 1,000 problems is held against what another method, another statement of the
+problem, a finer grid or a file makes of it.  Differences are counted over what both answers say
+that they may be; problems that are refused or unresolved are drawn anew.  An interrupted run goes
+on where it stopped.
+"""
+
+from __future__ import annotations
+
+import math
+import pickle
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+import slipfront as sf
+from docs.studies.accuracy.march import rate_error
+from docs.studies.golden import one_of, random_line, random_march, random_pair, random_scene
+from docs.studies.runner import Row, Study, grouped, main
+from docs.studies.trials.campaign import on_the_interface
+from docs.studies.trials.draws import random_step_scene, random_steps
+from semianalytic.parameters.overriding import override_scene
+from semianalytic.scene.given.template import scene_text
+
+SEED, NODES, END = 11, 200, 1.0
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+_X, _T = np.linspace(0.03, 0.95, 24), 0.9
+_ROUNDING = 1e-12
+"""Of an answer to mirrored loads over the largest value of a field, and of changes."""
+_SHEARED = dict.fromkeys(("slip", "slip_rate", "shear_traction"), -1.0)
+"""Factors of fields where shear acts the other way."""
+
+
+class Unresolved(Exception):
+    """There is nothing to compare: an answer says that it is none, or a draw is of another kind."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """An answer in the units, and with the signs, of another problem."""
+
+    answer: Any
+    scene: sf.Scene
+    factors: Mapping[str, float]
+    velocity: float = 1.0
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "error_estimate":
+            return self.answer.error_estimate
+        factor, field = self.factors.get(name, 1.0), getattr(self.answer, name)
+        return lambda x, t: field(self.velocity * np.asarray(x), t) / factor
+
+
+def solved(scene: Any, **settings: Any) -> Any:
+    """Solve a problem, or raise `Unresolved`."""
+    answer = sf.solve(scene, **settings)
+    if answer.status not in ("converged", "resolved", "done"):
+        raise Unresolved(answer.status)
+    return answer
+
+
+def between(one: Any, other: Any, random: Generator) -> float:
+    """The largest difference of fields on the interface over what both answers allow."""
+    return max(on_the_interface(one, other, random).values())
+
+
+def over(apart: Any, allowed: Any) -> float:
+    """The largest share of what is allowed; inf where nothing is and there is a difference."""
+    apart, allowed = np.broadcast_arrays(apart, allowed)
+    share = np.divide(apart, allowed, out=np.where(apart > 0, np.inf, 0.0), where=allowed > 0)
+    return float(share.max(initial=0.0))
+
+
+def differs(one: Any, other: Any, allowed: float) -> float:
+    """The largest difference of five fields over their sizes and what is allowed."""
+    pairs = ([getattr(answer, name)(_X, _T) for answer in (one, other)] for name in FIELDS)
+    return max(over(np.abs(b - a), allowed * np.abs(a).max()) for a, b in pairs)
+
+
+def _turned(scene: sf.Scene, **changes: Any) -> sf.Scene:
+    """The scene whose shear acts the other way, with other changes."""
+    if not isinstance(scene.load, sf.Tractions):
+        raise Unresolved("waves are turned with their sides")
+    base, load = (sf.Tractions(one.pressure, -one.shear) for one in (scene.base, scene.load))
+    return replace(scene, base=base, load=load, **changes)
+
+
+def marched(random: Generator) -> float:
+    """The march of a scene against its exact answer: slip rate over all nodes and times."""
+    scene = random_step_scene(random)
+    exact = solved(scene)
+    if not exact.zones:
+        raise Unresolved("nothing slips")
+    march = solved(scene, method="space-time", end_time=END, nodes=NODES)
+    return over(rate_error(march, exact), march.error_estimate + exact.error_estimate)
+
+
+def two_bodies(random: Generator) -> float:
+    """Bodies that are equal, or all but equal, against one; different ones, exchanged, at another
+    accuracy."""
+    if random.random() < 0.5:
+        scene = random_steps(random)
+        stiffer = scene.material.shear_modulus * (1 + float(random.choice([0.0, 1e-9, 1e-7])))
+        other = replace(scene.material, shear_modulus=stiffer)
+        pair = solved(replace(scene, lower_material=other), rtol=1e-5)
+        return between(pair, solved(scene), random)
+    scene = random_pair(random)
+    upper, lower = scene.bodies
+    rough = solved(_turned(scene, material=lower, lower_material=upper), rtol=1e-5)
+    return between(Seen(rough, scene, _SHEARED), solved(scene, rtol=1e-8), random)
+
+
+def swept(random: Generator) -> float:
+    """One that a sweep over friction has found from its neighbours, against an answer to it."""
+    scene, count = random_step_scene(random), int(random.integers(20, 100))
+    answers = sf.sweep(scene, np.sort(scene.coefficient * np.exp(random.uniform(-1, 1, count))))
+    found = np.flatnonzero(~answers.from_scratch & (np.array(answers.status) == "converged"))
+    if not len(found):
+        raise Unresolved("all solved one by one")
+    one = answers[int(random.choice(found))]
+    return between(one, solved(one.scene), random)
+
+
+def differentiated(random: Generator) -> float:
+    """A derivative against central differences, whose own error two steps show."""
+    scene = random_steps(random)
+    answer, solid = solved(scene, rtol=1e-10), scene.material
+    values = {"friction": scene.coefficient, "poisson_ratio": solid.poisson_ratio}
+    values |= {"base_pressure": scene.base.pressure, "load_shear": scene.load.shear}
+    name = str(random.choice([*values]))
+    derivative, step = answer.derivative(name), 1e-4 * (abs(values[name]) or 1.0)
+    if derivative.status != "converged":
+        raise Unresolved(derivative.status)
+
+    def moved(by: float) -> Any:
+        changes: dict[str, Any] = {name: values[name] + by}
+        found = solved(override_scene(scene, **changes), rtol=1e-10)
+        if len(found.zones) != len(answer.zones):
+            raise Unresolved("zones change nearby")
+        return found
+
+    marks = [solid.rayleigh_speed, solid.shear_speed, solid.longitudinal_speed]
+    marks += [edge for one in (*answer.zones, *answer.openings) for edge in (one.inner, one.outer)]
+    x = random.uniform(0.05, 1.1 * solid.longitudinal_speed, 60)
+    x = x[np.abs(x[:, None] - marks).min(axis=1) > 0.05]
+    sides, worst = [(h, moved(h), moved(-h)) for h in (step, step / 2)], 0.0
+    for field in ("slip_rate", "slip"):
+        exact = getattr(derivative, field)(x, 1.0)
+        wide, near = (
+            (getattr(up, field)(x, 1.0) - getattr(down, field)(x, 1.0)) / (2 * h)
+            for h, up, down in sides
+        )
+        size = np.abs(getattr(answer, field)(x, 1.0)).max(initial=0.0)
+        noise = (2 * answer.error_estimate + _ROUNDING) * size / step
+        own = derivative.error_estimate * np.abs(exact).max(initial=0.0)
+        worst = max(worst, over(np.abs(exact - near), own + np.abs(wide - near) + noise))
+    return worst
+
+
+def rescaled(random: Generator) -> float:
+    """A scene in other units, up to those of SI and beyond."""
+    scene = random_scene(random)
+    if not isinstance(scene.load, sf.Tractions):
+        raise Unresolved("waves and moving loads have speeds of their own")
+    stiff, dense, stress = (float(one) for one in 10 ** random.uniform((3, -3, -6), (11, 4, 9)))
+    old, speed = scene.material, math.sqrt(stiff / dense)
+    solid = sf.Material(stiff * old.shear_modulus, dense * old.density, old.poisson_ratio)
+    parts = (scene.base, scene.load)
+    base, load = (sf.Tractions(stress * one.pressure, stress * one.shear) for one in parts)
+    law, slip = scene.law, stress * speed / stiff
+    if isinstance(law, sf.RateWeakening):
+        law = replace(law, rate=law.rate * slip)
+    elif isinstance(law, sf.Coulomb):
+        law = replace(law, viscosity=law.viscosity * stiff / speed)
+    given = replace(scene, material=solid, friction=law, base=base, load=load, units="SI")
+    factors = dict.fromkeys(FIELDS, stress) | dict.fromkeys(("slip", "slip_rate", "gap"), slip)
+    one, other = (solved(problem, method="self-similar") for problem in (given, scene))
+    return between(Seen(one, scene, factors, speed), other, random)
+
+
+def mirrored(random: Generator) -> float:
+    """Shear that acts the other way, exact and marched: slip is the other way, to rounding."""
+    scene = random_scene(random) if random.random() < 0.5 else random_march(random)
+    settings: dict[str, Any] = {"end_time": END, "nodes": NODES}
+    if scene.is_self_similar:
+        settings = {"method": "self-similar"}
+    other = solved(_turned(scene), **settings)
+    return differs(solved(scene, **settings), Seen(other, scene, _SHEARED), _ROUNDING)
+
+
+def filed(random: Generator) -> float:
+    """A scene written to a file is the same and has the same answer, which pickles and is saved: 0
+    or inf."""
+    draw = one_of(random, random_scene, random_march, random_line, random_pair)
+    scene = draw(random)
+    settings = {"end_time": END, "nodes": 64} if draw is random_march else {}
+    answer = solved(scene, **settings)
+    with tempfile.TemporaryDirectory() as folder:
+        path, saved = Path(folder, "scene.toml"), Path(folder, "answer.h5")
+        path.write_text(scene_text(scene), encoding="utf-8")
+        answer.save(saved)
+        again = [solved(sf.find(path), **settings), sf.load(saved)]
+        again.append(pickle.loads(pickle.dumps(answer)))
+    same = all(one.scene == scene and differs(answer, one, 0.0) == 0 for one in again)
+    return 0.0 if same else math.inf
+
+
+def _line(random: Generator) -> sf.Scene:
+    """A scene along a line: patches, contacts, two bodies, laws that stick, weaken or creep."""
+    solid = sf.Material(1.0, 1.0, float(random.uniform(-0.3, 0.45)))
+    f = float(random.uniform(0.2, 0.7))
+    weak = sf.SlipWeakening(f, f * random.uniform(0.3, 0.9), random.uniform(0.1, 0.6))
+    creeping = sf.RateAndState(a=0.05, b=random.uniform(0.01, 0.04), f0=f, v0=1e-3, distance=0.2)
+    law = one_of(random, f, sf.Coulomb(f, viscosity=0.3), weak, creeping)
+    width, shear = float(random.uniform(0.3, 1.0)), one_of(random, -1, 1) * random.uniform(0.5, 2)
+    other = sf.Material(float(random.uniform(0.5, 2.0)), 1.0, 0.25)
+    return sf.Scene(
+        solid,
+        law,
+        sf.Tractions(1.0, f if law is creeping else float(random.uniform(-0.6, 0.6)) * f),
+        sf.InterfaceLoad(lambda x: shear * np.exp(-np.square(x / width)), sf.Ramp(0.4), "line"),
+        contact=sf.Contact([(-1.0, 1.0)]) if random.random() < 0.3 else sf.Contact(),
+        lower_material=other if random.random() < 0.2 else None,
+        rate=1e-3 if law is creeping else 0.0,
+        period=8.0,
+    )
+
+
+def halved(random: Generator) -> float:
+    """A march along a line against one of four times the nodes, over frames and contact."""
+    scene, settings = _line(random), {"end_time": 1.6, "times": [0.4, 0.8, 1.2, 1.6]}
+    rough, fine = (solved(scene, nodes=nodes, **settings) for nodes in (128, 512))
+    on, worst = rough.interface.touching, 0.0
+    for name in ("slip", "slip_rate", "shear_traction"):
+        one, other = (getattr(run.interface, name) for run in (rough, fine))
+        # nodes lie midway between ends of contacts, or else on one another
+        other = other[:, ::4] if on.all() else other.reshape(len(other), -1, 4).mean(axis=-1)
+        size = np.abs(other - scene.base.shear * (name == "shear_traction"))[:, on].sum()
+        allowed = size * (rough.error_estimates[name] + fine.error_estimates[name])
+        worst = max(worst, over(np.abs(one - other)[:, on].sum(), allowed + _ROUNDING * on.sum()))
+    return worst
+
+
+def continued(random: Generator) -> float:
+    """A march, of a slot or along a line, with a stop on its way against the one without: 0 or inf
+    along a line."""
+    stop, along = float(random.uniform(0.2, 0.8)), random.random() < 0.5
+    scene = _line(random) if along else random_march(random)
+    settings: dict[str, Any] = {"nodes": NODES, "latest": END}
+    if not along:
+        settings["length"] = scene.fastest_speed * END
+    whole = solved(scene, end_time=END, **settings)
+    begun = sf.solve(scene, end_time=stop, **settings)
+    gone = sf.solve(scene, end_time=END, go_on=begun)
+    if along:
+        same = np.array_equal(whole.interface.slip[-1], gone.interface.slip[-1])
+        return 0.0 if same else math.inf
+    return over(rate_error(gone, whole), whole.error_estimate + gone.error_estimate)
+
+
+def without_slot(random: Generator) -> float:
+    """Patches and growing loads against marches along a line, forces against narrow patches."""
+    scene = random_line(random)
+    exact, load = solved(scene), scene.load
+    if isinstance(load, sf.PointForce):
+        slow = 1e-3
+        narrow = sf.Patch(slow, load.pressure / (2 * slow), load.shear / (2 * slow))
+        other = solved(replace(scene, load=narrow))
+        # a patch is a force but for the square of its speed over that of its edges
+        allowed = 4 * (slow / exact.edge_speed) ** 2 + exact.error_estimate + other.error_estimate
+        return over(abs(other.edge_speed - exact.edge_speed), exact.edge_speed * allowed)
+    wide = 4 * scene.material.longitudinal_speed
+
+    def spread(x: Any, t: float) -> Any:
+        return load.shear * np.clip((load.speed * t - np.abs(x)) * 1024 / wide + 0.5, 0, 1)
+
+    def grown(of: float) -> Callable[..., Any]:
+        return lambda x, t: of * t**load.power + 0 * x
+
+    if isinstance(load, sf.Patch):
+        loads: Any = sf.InterfaceLoad(spread, history=None)
+    else:  # the faces of the slot bear the pressure too
+        pressed, kept = grown(load.pressure), grown(-load.pressure)
+        loads = (
+            sf.InterfaceLoad(pressure=pressed, history=None, on="line"),
+            sf.InterfaceLoad(grown(load.shear), history=None, on="slot", pressure=kept),
+        )
+    times = np.linspace(0.5, 1.0, 6)
+    line = replace(scene, load=loads, period=wide)
+    run = solved(line, end_time=END, nodes=1024, times=list(times))
+    x = run.interface.x[run.interface.touching & (np.abs(run.interface.x) < wide / 4)]
+    right, found = (one.slip(x, times[:, None]) for one in (exact, run))
+    allowed = (run.error_estimates["slip"] + exact.error_estimate) * np.abs(right).sum()
+    return over(np.abs(found - right).sum(), allowed)
+
+
+def simulated(random: Generator) -> float:
+    """Exact answers against finite elements, by the judge: 0, or inf where both differ."""
+    verdict = sf.compare(random_steps(random), resolution=40).verdict
+    if verdict == "unresolved":
+        raise Unresolved(verdict)
+    return 0.0 if verdict == "agrees" else math.inf
+
+
+CHECKS: Mapping[Callable[[Generator], float], int] = {
+    marched: 140,
+    two_bodies: 140,
+    swept: 110,
+    differentiated: 110,
+    rescaled: 110,
+    mirrored: 100,
+    filed: 100,
+    halved: 100,
+    continued: 50,
+    without_slot: 30,
+    simulated: 10,
+}
+"""What is held against what, and how many problems of each."""
+
+
+def crossed(name: str, index: int) -> Row:
+    """Draw problems until one is answered twice, and hold both answers against one another."""
+    order, check = next(one for one in enumerate(CHECKS) if one[1].__name__ == name)
+    random, began = np.random.default_rng([SEED, order, index]), process_time()
+    row: Row = {"check": name, "index": index, "refused": 0, "unresolved": 0, "raised": ""}
+    while True:
+        try:
+            ratio = check(random)
+        except (sf.SceneError, sf.TensionError):
+            row["refused"] += 1
+            continue
+        except Unresolved:
+            row["unresolved"] += 1
+            continue
+        except Exception as error:  # what a campaign is for
+            row["raised"], ratio = f"{type(error).__name__}: {error}", math.inf
+        return {**row, "ratio": ratio, "seconds": process_time() - began}
+
+
+def summary(rows: list[Row]) -> list[Row]:
+    """Count problems and differences beyond the estimates of each check."""
+    return [
+        {
+            "check": name.replace("_", " "),
+            "seeds": f"{SEED}, {order}, 0 to {own[-1]['index']}",
+            "refused": sum(row["refused"] for row in own),
+            "unresolved": sum(row["unresolved"] for row in own),
+            "compared": len(own),
+            "beyond": sum(not row["ratio"] <= 1 for row in own),
+            "largest": f"{max(row['ratio'] for row in own):.2g}",
+        }
+        for order, ((name,), own) in enumerate(grouped(rows, "check"))
+    ]
+
+
+def points(quick: bool) -> list[tuple[str, int]]:
+    """Return the name of each check with the number of each of its problems."""
+    counts = {
+        check.__name__: max(1, count // 50 if quick else count) for check, count in CHECKS.items()
+    }
+    return [(name, index) for name, count in counts.items() for index in range(count)]
+
+
+STUDIES = [Study("campaign-crossings", points, crossed, summary)]
+
+if __name__ == "__main__":
+    raise SystemExit(main("docs.studies.trials.crossings", STUDIES))
