@@ -50,15 +50,8 @@ EDGE_CELLS = 4
 class Case:
     """A prediction and a simulation, ready to be compared.
 
-    Attributes
-    ----------
-    prediction : Answer
-    simulation : Simulation
-        With its companions.
-    at_nodes : InterfaceHistory
-        The prediction at the nodes and stored times of the simulation.
-    doubted : InterfaceHistory or None
-        The prediction's companion at the same places, from which its error is estimated, if any.
+    The simulation has its companions; `at_nodes` is the prediction at its nodes and stored times,
+    and `doubted` the prediction's companion there, from which its error is estimated, if any.
     """
 
     prediction: Answer

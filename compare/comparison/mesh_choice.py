@@ -69,19 +69,9 @@ class Feature(NamedTuple):
 class Unseen:
     """Feature that a mesh is too coarse for, and the mesh that would show it.
 
-    Attributes
-    ----------
-    name : str
-        Name of the feature.
-    resolution : int
-        Node distances per c_t T that it needs.
-    seconds : float
-        Time of such a simulation with its companions and without snapshots on this machine [s],
-        even if no mesh may be so large.
-    memory : float
-        Memory of that simulation [bytes].
-    meshable : bool
-        Whether a mesh may be so large.
+    The resolution is in node distances per c_t T; time [s] and memory [bytes] are those of such a
+    simulation with its companions and without snapshots on this machine, even if no mesh may be so
+    large, which `meshable` says.
     """
 
     name: str
@@ -133,14 +123,8 @@ class MeshChoice:
 class Prices:
     """Time and memory of simulations of a scene at any resolution, companions included.
 
-    Parameters
-    ----------
-    scene, end_time
-        As in `fem.simulate`.
-    snapshots : bool
-        Whether field snapshots are written.
-    options : dict
-        Fields of `fem.Settings` apart from the resolution.
+    Scene and end time are those of `fem.simulate`, options other fields of `fem.Settings` than the
+    resolution; with snapshots, the time to write them counts.
     """
 
     scene: Scene
