@@ -22,50 +22,36 @@ from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 
-LIBRARIES = 30_000_000
-"""Memory that does not depend on the mesh, most of it of gmsh [bytes]."""
-
+LIBRARIES = 10_000_000
+"""Memory that does not depend on the mesh [bytes]."""
 ASSEMBLY = {"P1": 740, "Q1": 1000, "Q2": 1480}
 """Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""
-
 TRIANGLE_ASSEMBLY = 1500
 """Memory per unknown during assembly for unstructured triangles, integrated one by one [bytes]."""
-
 STEPPING = {"P1": 660, "Q1": 560, "Q2": 760}
 """Memory per unknown of the mesh while the bodies march, without histories [bytes]."""
-
 BODY = 56
 """Memory per unknown of each body [bytes]."""
-
 STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
 """Time per unknown and step, counting unknowns that do not move yet as well [s]."""
-
 STEP_OVERHEAD = 0.3e-3
 """Time per step that does not depend on the mesh [s]."""
-
 SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
 """Time to mesh and to assemble, per unknown of a mesh of quadrilaterals [s]."""
-
 TRIANGLE_SETUP_TIME = 20e-6
 """Time to mesh and assemble per unknown of unstructured triangles, most of it for the mesh [s]."""
-
 FRAME_TIME = 0.8e-6
 """Time per node of both blocks to write a frame [s]: 0.5e-6 with Q2, 0.7e-6 with Q1, 1.0e-6 with
 P1."""
-
 FRAME_SIZE = {"P1": (27, 40), "Q1": (16, 30), "Q2": (14, 19)}
 """Size of a frame per node of both blocks at t = 0, and its increase per (t/T)^2 [bytes]."""
-
 HISTORY_SIZE = 0.5
 """Size of `simulation.h5` over that of the histories in memory, which it compresses."""
-
 PACE_UNKNOWNS = 2**16
 """Size of the matrix whose product tells how fast a machine is: more than a cache holds."""
-
 PACE_SECONDS = 0.4
 """Duration of the timing of such products [s], long enough to be interrupted as a simulation is
 where others share the cores: half of it missed half of the time lost to them."""
-
 PACE_TIME = 0.75e-3
 """Time of that product on an idle core of 2024, to which the times above belong [s]."""
 
@@ -164,14 +150,7 @@ def cost(
 
 
 def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
-    """Predict what a plan needs; see `Cost`.
-
-    Parameters
-    ----------
-    plan : Plan
-    checkpoints : bool
-        Whether checkpoints are written, which pass through memory.
-    """
+    """Predict what a plan needs; checkpoints, if they are written, pass through memory."""
     return _cost(plan, plan.steps(), plan.settings.every, checkpoints)
 
 
@@ -232,15 +211,7 @@ def machine_pace() -> float:
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
     """Refuse a run that needs more memory than it may; say which resolution or `every` would fit.
 
-    Parameters
-    ----------
-    plan : Plan
-    cost : Cost
-        Prediction for that plan.
-    limit : float or None
-        Largest memory [bytes]; 70 % of what is available if None.
-    checkpoints : bool
-        Whether checkpoints are written.
+    The limit is in bytes; 70 % of what is available if None.
 
     Raises
     ------
@@ -290,12 +261,10 @@ def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
     ----------
     path : Path
         A file that is to be written.
-    needed : int
-        Size of that file and of others beside it [bytes].
+    needed, freed : int
+        Size of it and of others beside it, and of files that are removed first [bytes].
     parts : str
         Names of these files, as the subject of the sentence.
-    freed : int
-        Size of the files that are removed first [bytes].
 
     Raises
     ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -15,11 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.interface import InterfaceSums
 from fem.model import Model
 from fem.record import MeshRecord
 from fem.settings import Pace
-from fem.stepping import BodyState
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.documents import scene_document
@@ -29,16 +28,8 @@ FORMAT = "slipfront checkpoint 6"
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The state of a run between two steps.
-
-    Parameters
-    ----------
-    step : int
-        Last time level whose drift is done.
-    arrays : mapping from name to array
-        Arrays of bodies, interface and record.
-    frames : list of (time, name)
-        Field snapshots written so far.
+    """The state of a run between two steps: the last time level whose drift is done, the arrays of
+    bodies, interface and record by name, and the field snapshots (time, name) written so far.
     """
 
     step: int
@@ -47,32 +38,23 @@ class Checkpoint:
 
     def restore(self, model: Model, record: MeshRecord) -> None:
         """Put a newly built model and record into this state."""
+        parts: dict[str, dict[str, NDArray[Any]]] = defaultdict(dict)
+        for path, array in self.arrays.items():
+            part, _, name = path.partition("/")
+            parts[part][name] = array
         for number, body in enumerate(model.bodies):
-            body.restore(BodyState(*(self.arrays[f"body {number}/{f}"] for f in BodyState._fields)))
-        sums = (self.arrays[f"interface/{name}"] for name in InterfaceSums._fields)
-        model.interface.restore(InterfaceSums(*sums))
-        prefix = "record/"
-        record.restore(
-            {
-                name.removeprefix(prefix): array
-                for name, array in self.arrays.items()
-                if name.startswith(prefix)
-            }
-        )
+            body.restore(parts[f"body {number}"])
+        model.interface.restore(parts["interface"])
+        record.restore(parts["record"])
 
 
 def take_checkpoint(
     step: int, model: Model, record: MeshRecord, frames: list[tuple[float, str]]
 ) -> Checkpoint:
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
-    arrays: dict[str, NDArray[Any]] = {}
-    for name, array in model.interface.sums()._asdict().items():
-        arrays[f"interface/{name}"] = array
-    for number, body in enumerate(model.bodies):
-        for name, array in body.state()._asdict().items():
-            arrays[f"body {number}/{name}"] = array
-    for name, array in record.stored().items():
-        arrays[f"record/{name}"] = array
+    parts = {f"body {number}": body.state() for number, body in enumerate(model.bodies)}
+    parts |= {"interface": model.interface.sums(), "record": record.stored()}
+    arrays = {f"{part}/{name}": one for part, own in parts.items() for name, one in own.items()}
     return Checkpoint(step, arrays, frames)
 
 
@@ -154,13 +136,7 @@ class Keeper:
         frames: list[tuple[float, str]],
         now: bool,
     ) -> None:
-        """Write a checkpoint if one is due after this step, or requested now.
-
-        Raises
-        ------
-        DataFileError
-            If one is requested now and cannot be written.
-        """
+        """Write a checkpoint if one is due, or requested now; only then a failure is raised."""
         due = 0 < step < model.steps and self._is_due(step)
         if self.path is None or not (due or now):
             return
@@ -181,15 +157,7 @@ class Keeper:
 
 
 def forget_checkpoint(path: Path, run: str) -> None:
-    """Remove the checkpoint of a finished run; that of another run stays.
-
-    Parameters
-    ----------
-    path : Path
-        File of the checkpoint.
-    run : str
-        Name of the run, from `run_name`.
-    """
+    """Remove the checkpoint of the finished run of a name (`run_name`), of no other run."""
     import h5py
 
     if not path.is_file():

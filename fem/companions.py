@@ -89,6 +89,8 @@ def _coarser(
     """
     if resolution < LEAST_RESOLUTION:
         return None
+    # stored levels are about as far apart as in the simulation
+    kept = round(simulation.interface.t[1] / simulation.time_step)
     settings = Settings(
         resolution=resolution,
         damping=simulation.damping,
@@ -96,7 +98,7 @@ def _coarser(
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
         element=simulation.element,
         mesh=simulation.mesh,
-        every=_levels_kept(simulation, resolution),
+        every=max(1, kept * resolution // simulation.resolution),
     )
     full = folder is not None
     if full:
@@ -107,9 +109,3 @@ def _coarser(
         return run_plan(plan, Pace(), None, folder, predict_cost(plan), silent, progress=progress)
     except SceneError:
         return None
-
-
-def _levels_kept(simulation: Simulation, resolution: int) -> int:
-    """Return the `every` that keeps stored levels about as far apart as in the simulation."""
-    kept = round(simulation.interface.t[1] / simulation.time_step)
-    return max(1, kept * resolution // simulation.resolution)

@@ -8,6 +8,7 @@ advance, without iteration or penalty.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -22,95 +23,82 @@ from semianalytic.scene.scene import Scene
 Array = NDArray[np.float64]
 
 
+class ContactFace(NamedTuple):
+    """One component of motion of a face: its body, unknowns there and roots of their masses.
+
+    The sign is 1 for an upper face and -1 for a lower one.
+    """
+
+    body: MarchedBody
+    unknowns: NDArray[np.int64] | slice
+    root: Array
+    sign: float
+
+
 @dataclass(frozen=True)
 class FacePair:
     """One component of motion of the two faces that meet on the contact.
 
-    Parameters
-    ----------
-    body : MarchedBody
-        The body that carries them.
-    upper : (n,) array
-        Unknowns of the upper face.
-    lower : (n,) array or None
-        Unknowns of the lower face; None where the body is the upper half of a pair that moves
-        oppositely.
-    root : list of (n,) arrays
-        Square roots of the node masses, of the upper face and of the lower one if it is there.
-    length : (n,) array
-        Tributary lengths [length].
-    step : float
-        dt [time].
+    They are the upper face, and the lower one unless it moves oppositely; with tributary lengths
+    (n,) or one [length], and a step dt [time].
     """
 
-    body: MarchedBody
-    upper: NDArray[np.int64]
-    lower: NDArray[np.int64] | None
-    root: list[Array]
-    length: Array
+    faces: list[ContactFace]
+    length: float | Array
     step: float
+
+    @property
+    def _times(self) -> float:
+        """A lower face that is not there moves oppositely: the jump is twice the upper motion."""
+        return 2.0 if len(self.faces) == 1 else 1.0
 
     @cached_property
     def compliance(self) -> Array:
         """Change c = dt^2 L (1/m + 1/m') of the relative increment per traction, (n,)."""
-        upper, lower = self.root[0], self.root[-1]
-        return self.step**2 * self.length * (1 / upper**2 + 1 / lower**2)
+        inertia = self._times * sum(1 / face.root**2 for face in self.faces)
+        return np.asarray(self.step**2 * self.length * inertia)
 
-    def _jump(self, unknowns: Array) -> Array:
+    def _jump(self, name: str) -> Array:
         """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
-        # the lower face of a half moves oppositely: twice the upper one
-        upper = unknowns[self.upper] / self.root[0]
-        return 2 * upper if self.lower is None else upper - unknowns[self.lower] / self.root[1]
+        parts = (one.sign * getattr(one.body, name)[one.unknowns] / one.root for one in self.faces)
+        return np.asarray(self._times * sum(parts))
 
     def offset(self) -> Array:
         """Relative displacement, upper minus lower, (n,) [length]."""
-        return self._jump(self.body.displacement)
+        return self._jump("displacement")
 
     def increment(self) -> Array:
         """Relative increment over the step after this time level, (n,) [length]."""
-        return self._jump(self.body.increment)
+        return self._jump("increment")
 
     def past_increment(self) -> Array:
         """Relative increment over the step before this time level, (n,) [length]."""
-        return self._jump(self.body.before)
+        return self._jump("before")
 
     def mean_increment(self) -> Array:
         """Mean of the relative increments before and after this time level, (n,) [length]."""
         return (self.past_increment() + self.increment()) / 2
 
-    def push(self, traction: Array, part: float) -> None:
-        """Apply a traction to the upper face, and its opposite to the lower one.
+    def push(self, traction: Array, part: float) -> Array:
+        """Apply a traction (n,) [stress] to the upper face, and its opposite to the lower one.
 
-        Parameters
-        ----------
-        traction : (n,) array
-            Force per length [stress].
-        part : float
-            Fraction of a step for which it acts.
+        It acts for a part of a step.  The impulse (n,) is returned: times the mean increment it is
+        the work, times dt^2 as energies of bodies are.
         """
         # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
-        impulse = part * self.step**2 * self.length * traction
-        self.body.increment[self.upper] += impulse / self.root[0]
-        if self.lower is not None:
-            self.body.increment[self.lower] -= impulse / self.root[1]
+        impulse = part * (self.step**2 * self.length) * traction
+        for face in self.faces:
+            face.body.increment[face.unknowns] += face.sign * impulse / face.root
+        return impulse
 
 
 def contact_pressure(gap: Array, increment: Array, base: float | Array, compliance: Array) -> Array:
     """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
 
-    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap
-    is never negative and the pressure only takes energy out.
-
-    Parameters
-    ----------
-    gap : (n,) array
-        Opening at the start of the step, >= 0 [length].
-    increment : (n,) array
-        Its change over the step if only the base pressure acted [length].
-    base : float or (n,) array
-        Pressure at which `increment` holds [stress].
-    compliance : (n,) array
-        Opening over the step per pressure [length / stress].
+    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap is
+    never negative and the pressure only takes energy out.  The gap at the start of the step is >= 0
+    [length]; the increment is its change if only the base pressure [stress] acted, and the
+    compliance the opening over the step per pressure [length / stress].
     """
     # a pressure p adds compliance (p - base) to gap + increment; the pair ends the step closed at 0
     return np.maximum(base - (gap + increment) / compliance, 0.0)
@@ -129,8 +117,7 @@ OPEN = 2
 class Carried(NamedTuple):
     """The tractions that the uncut contact carries, to which what the bodies do is added [stress].
 
-    They are numbers where they are the same everywhere and always, and arrays (n,) under an
-    incident wave that rises and falls.
+    They are arrays (n,) under an incident wave that rises and falls.
     """
 
     pressure: float | Array
@@ -138,27 +125,14 @@ class Carried(NamedTuple):
 
 
 class InterfaceWork(NamedTuple):
-    """Work per unit thickness [stress length^2] at the interface.
+    """Work per unit thickness at the interface [stress length^2].
 
-    It is the work taken by friction and by closing gaps, and that done by the tractions in place on
-    slip and opening.
+    It is taken by friction and by closing gaps, and done by tractions in place on slip and opening.
     """
 
     friction: float
     impact: float
     external: float
-
-
-class InterfaceSums(NamedTuple):
-    """The sums that the interface carries on, for a checkpoint.
-
-    These are work (3,) as in `InterfaceWork`, and per node (n,) the accumulated |slip| [length] and
-    the work of friction per area [stress length].
-    """
-
-    work: Array
-    path: Array
-    friction: Array
 
 
 class MeshContact:
@@ -230,23 +204,18 @@ class MeshContact:
             return self._rubbed
         return self._rubbed - self.shear * self.sliding.increment() / 2
 
-    def sums(self) -> InterfaceSums:
-        """The sums so far; the arrays per node are the interface's own, not copies."""
+    def sums(self) -> dict[str, Array]:
+        """The sums that the interface carries on; the arrays per node are its own, not copies."""
         work = np.array([self._friction, self._impact, self._external])
-        return InterfaceSums(work, self.path, self._rubbed)
+        return {"work": work, "path": self.path, "friction": self._rubbed}
 
-    def restore(self, sums: InterfaceSums) -> None:
+    def restore(self, sums: Mapping[str, Array]) -> None:
         """Continue from the sums of another run of the same model, to the last bit."""
-        self._friction, self._impact, self._external = sums.work.tolist()
-        self.path[:], self._rubbed[:] = sums.path, sums.friction
+        self._friction, self._impact, self._external = sums["work"].tolist()
+        self.path[:], self._rubbed[:] = sums["path"], sums["friction"]
 
     def act(self, part: float) -> None:
-        """Find the tractions of this kick and apply them.
-
-        Parameters
-        ----------
-        part : float
-            Fraction of a step for which they act.
+        """Find the tractions of this kick, which act for a part of a step, and apply them.
 
         Raises
         ------
@@ -273,15 +242,7 @@ class MeshContact:
         self._external -= float(np.sum(work * held))
 
     def _strength(self, stopping: Array, impedance: Array) -> Array:
-        """Return the strength at the slip rate of the step, which follows from it (n,) [stress].
-
-        The path is that up to this time level.
-
-        Raises
-        ------
-        SceneError
-            If friction falls with slip rate faster than a pair of nodes can radiate.
-        """
+        """Return the strength at the slip rate of the step and the path so far (n,) [stress]."""
         law = self.scene.law
         # steeper than that, a pair has several slip rates, or none, for one stopping traction
         slope = self.pressure * law.fall_with_rate

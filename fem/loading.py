@@ -28,17 +28,7 @@ Array = NDArray[np.float64]
 
 
 def kick_means(history: LoadHistory, step: float, steps: int) -> Array:
-    """Return the mean of f(t) over the interval of each kick, (steps + 1,).
-
-    Parameters
-    ----------
-    history : LoadHistory
-        The history f.
-    step : float
-        dt [time].
-    steps : int
-        Number of steps.
-    """
+    """Return the mean of f(t) over the interval of each kick of a step dt [time], (steps + 1,)."""
     if history.pieces == Step().pieces:
         return np.ones(steps + 1)
     return history.mean(*_kick(np.arange(steps + 1), step))
@@ -60,13 +50,8 @@ def _spread_mean(history: LoadHistory, delay: Array, level: int, step: float) ->
 class SlotTractions:
     """The load on a body as a function of time: shear along x or z, pressure along y.
 
-    Parameters
-    ----------
-    body : MarchedBody
-    amplitude : (k,) array
-        dt^2 F / s on its loaded unknowns where f = 1.
-    means : (2, m) array
-        Factors of shear and pressure at each time level.
+    The amplitude (k,) is dt^2 F / s on its loaded unknowns where f = 1, and means (2, m) are
+    factors of shear and pressure at each time level.
     """
 
     body: MarchedBody
@@ -83,18 +68,9 @@ class SlotTractions:
 class FrontTractions:
     """The load on a body whose front moves over the slot, f(t - p x).
 
-    Parameters
-    ----------
-    body : MarchedBody
-    amplitude : (k,) array
-        dt^2 F / s on its loaded unknowns where f = 1.
-    histories : pair of LoadHistory
-        Histories f of shear and pressure.
-    delay : (k, n) array
-        Times p x >= 0 at which the front reaches places spread over the part of the slot that each
-        loaded unknown carries [time].
-    step : float
-        dt [time].
+    The amplitude (k,) is dt^2 F / s on its loaded unknowns where f = 1, for the histories f of
+    shear and pressure.  Delays (k, n) are times p x >= 0 at which the front reaches places spread
+    over the part of the slot that each loaded unknown carries [time]; the step is dt [time].
     """
 
     body: MarchedBody
@@ -121,15 +97,8 @@ of c_t enters node by node with 1, and the mesh rings: the error of slip rate at
 def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
     """Return the times p x at which a front reaches the parts of nodes, (k, `SPREAD`).
 
-    Parameters
-    ----------
-    x : (k,) array
-        Positions of nodes on the slot or the contact [length], in any order and any number of
-        times.
-    slowness : float
-        p <= 0 [time / length].
-    contact : bool
-        Whether the nodes are on the contact, x >= 0, and not on the slot.
+    Nodes are at x (k,) [length], in any order and any number of times, on the slot or the contact,
+    and the slowness p <= 0 [time / length].
     """
     places, which = np.unique(x, return_inverse=True)
     borders = np.concatenate([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
@@ -145,15 +114,8 @@ class ContactLoad:
     """The tractions of an incident wave on the uncut contact, f(t - p x), added to the base.
 
     The contact carries them besides what the simulation computes, which is what the slot scatters.
-
-    Parameters
-    ----------
-    interface : MeshContact
-    scene : Scene
-    delay : (n, k) array
-        Times p x <= 0 at which the front reaches places spread over the part of each node [time].
-    step : float
-        dt [time].
+    Delays (n, k) are times p x <= 0 at which the front reaches places spread over the part of each
+    node [time]; the step is dt [time].
     """
 
     interface: MeshContact
@@ -176,14 +138,7 @@ class ContactLoad:
 def contact_loads(scene: Scene, interface: MeshContact, step: float, x: Array) -> list[ContactLoad]:
     """Return what changes with time on the contact itself: an incident wave that is no step.
 
-    Parameters
-    ----------
-    scene : Scene
-    interface : MeshContact
-    step : float
-        dt [time].
-    x : (n,) array
-        Positions of the contact's nodes [length].
+    The contact's nodes are at x (n,) [length], and the step is dt [time].
     """
     if scene.is_step or not scene.arrives:
         return []
@@ -200,17 +155,8 @@ def slot_loads(
 ) -> list[SlotTractions] | list[FrontTractions]:
     """Return the loads of bodies that change with time; none if all are steps that come at once.
 
-    Parameters
-    ----------
-    scene : Scene
-    bodies : list of MarchedBody
-        Their `load` is the amplitude.
-    step : float
-        dt [time].
-    steps : int
-        Number of steps.
-    places : list of (k,) arrays
-        Positions x of the loaded unknowns of each body [length].
+    The `load` of each body is the amplitude, and places are the positions x of its loaded unknowns
+    (k,) [length]; the step is dt [time].
     """
     histories = (scene.shear_history, scene.pressure_history)
     if scene.front_slowness:
@@ -241,17 +187,10 @@ class Arrived(NamedTuple):
 
 
 def arrived_wave(scene: Scene, x: Array, y: Array, t: float) -> Arrived | None:
-    """Return what an incident wave does at points of the uncut body at a time; None without one.
+    """Return what an incident wave does at points (n,) [length] of the uncut body at t [time].
 
-    The simulation computes what the slot scatters of it, so that this is to be added.
-
-    Parameters
-    ----------
-    scene : Scene
-    x, y : (n,) arrays
-        Positions [length].
-    t : float
-        Time [time].
+    None without one.  The simulation computes what the slot scatters of it, so that this is to be
+    added.
     """
     wave, solid = scene.load, scene.material
     if not isinstance(wave, IncidentWave):

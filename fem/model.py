@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from os import PathLike
@@ -25,12 +25,12 @@ from fem.elements.assembly import (
     make_space,
     tributary_length,
 )
-from fem.interface import FacePair, MeshContact
+from fem.interface import ContactFace, FacePair, MeshContact
 from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_loads, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, make_plan
 from fem.settings import Settings
 from fem.stepping import MarchedBody, critical_step, highest_frequency, normalised
-from meshes import cached_mesh
+from meshes import mesh_of
 from semianalytic.scene.scene import Scene
 
 BLOCKS = ("upper", "lower")
@@ -73,14 +73,8 @@ class Numbering:
 def number_by_arrival(space: Space, size: float, *, slides: bool) -> Numbering:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
-    Parameters
-    ----------
-    space : Space
-    size : float
-        Distance of the nodes on the interface [length].
-    slides : bool
-        Whether the interface slides ahead of all waves of the edge; the distance is then that from
-        the whole line y = 0.
+    The size is the distance of the nodes on the interface [length].  Where the interface slides
+    ahead of all waves of the edge, the distance is that from the whole line y = 0.
     """
     x, y = space.points
     ahead = np.zeros_like(x) if slides else np.maximum(x, 0.0)
@@ -194,11 +188,11 @@ def prepare(
     return build(make_plan(scene, end_time, settings, options, full=full))
 
 
-def build(plan: Plan, tell: Callable[[str], object] | None = None) -> Model:
-    """Build mesh and model of a plan; `tell` gets a sentence if the mesh is built without gmsh."""
+def build(plan: Plan) -> Model:
+    """Build mesh and model of a plan."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
-        mesh = cached_mesh(plan.blocks, tell).translated((plan.edge, 0.0))
+        mesh = mesh_of(plan.blocks).translated((plan.edge, 0.0))
         space = make_space(mesh, plan.family)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)
@@ -215,14 +209,7 @@ def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
 
 
 def build_model(plan: Plan, space: Space) -> Model:
-    """Assemble the bodies of a plan on a mesh and choose the time step.
-
-    Parameters
-    ----------
-    plan : Plan
-    space : Space
-        Upper block, or both blocks if one half is not enough; see `meshes.read_mesh`.
-    """
+    """Assemble the bodies of a plan on a mesh of the upper block or of both; choose the step."""
     numbering = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
     mass = lumped_mass(space, in_mesh)[numbering.order]
@@ -322,33 +309,24 @@ class _Parts:
             for side in ("left", "right")
             for i in components
         ]
-        return self._body(
-            components,
-            np.concatenate([unknowns for unknowns, _ in loads]),
-            np.concatenate([load for _, load in loads]),
-            mirrored=np.concatenate(mirrored, axis=1) if walls and components == IN_PLANE else None,
-        )
+        loaded, load = (np.concatenate(parts) for parts in zip(*loads, strict=True))
+        walled = walls and components == IN_PLANE
+        held = {"mirrored": np.concatenate(mirrored, axis=1)} if walled else {}
+        return self._body(components, loaded, load, **held)
 
     def faces(self, body: MarchedBody, component: int, blocks: tuple[str, ...]) -> FacePair:
         """Make the contact faces of the named blocks for one component of motion."""
-        sides = [tributary_length(self.space, f"{block}_contact") for block in blocks]
-        unknowns = [self.numbering.unknowns(nodes, component) for nodes, _ in sides]
-        return FacePair(
-            body=body,
-            upper=unknowns[0],
-            lower=unknowns[1] if len(blocks) == 2 else None,
-            root=[body.root[face] for face in unknowns],
-            length=sides[0][1],
-            step=self.step,
-        )
+        faces = []
+        for block, sign in zip(blocks, (1.0, -1.0), strict=False):
+            nodes, length = tributary_length(self.space, f"{block}_contact")
+            unknowns = self.numbering.unknowns(nodes, component)
+            faces.append(ContactFace(body, unknowns, body.root[unknowns], sign))
+        return FacePair(faces, length, self.step)
 
     def _slot_load(
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the unknowns on a slot face and the forces on them at f = 1.
-
-        The traction on the upper block is (Q_0, -P_0), with Q_0 along x or z.
-        """
+        """Return the unknowns on a slot face and the forces on them at f = 1, of (Q_0, -P_0)."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
         load = self.scene.superposition.taken_off
         tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
@@ -365,17 +343,8 @@ class _Parts:
         components: tuple[int, ...],
         loaded: NDArray[np.int64],
         load: NDArray[np.float64],
-        held: NDArray[np.int64] | None = None,
-        mirrored: NDArray[np.int64] | None = None,
+        **walls: NDArray[np.int64],
     ) -> MarchedBody:
         matrix, root = self.matrices[components]
-        return MarchedBody(
-            components=components,
-            matrix=matrix,
-            root=root,
-            damping=self.damping_time / self.step,
-            loaded=loaded,
-            load=self.step**2 * load / root[loaded],
-            held=np.empty(0, dtype=np.int64) if held is None else held,
-            mirrored=np.empty((2, 0), dtype=np.int64) if mirrored is None else mirrored,
-        )
+        damping, load = self.damping_time / self.step, self.step**2 * load / root[loaded]
+        return MarchedBody(components, matrix, root, damping, loaded, load, **walls)

@@ -22,19 +22,11 @@ def highest_of_patch(
     material: Material,
     components: tuple[int, ...],
 ) -> float:
-    """Return the largest eigenfrequency of a free patch [1 / time].
+    """Return the largest eigenfrequency of a free patch of squares [1 / time].
 
     The fastest mode of a block is localised in its corners, so a patch of a few elements has it,
-    and no block that is larger or held exceeds it.
-
-    Parameters
-    ----------
-    x, y : arrays
-        Columns and rows of nodes of its squares [length].
-    family : Family
-    material : Material
-    components : tuple of int
-        Displacement components.
+    and no block that is larger or held exceeds it.  x and y are its columns and rows of nodes
+    [length].
     """
     space = make_space(MeshQuad.init_tensor(x, y), family)
     one = {"upper": material}

@@ -30,7 +30,6 @@ from semianalytic.scene.scene import Material, Scene
 
 TRIANGLES = 1.156
 """Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
-
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"
 LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
@@ -162,11 +161,6 @@ class Plan:
         return self.scene.superposition.taken_off.pressure != 0
 
     @property
-    def fastest_speed(self) -> float:
-        """Speed of the first wave in the faster block [length / time]."""
-        return self.scene.fastest_speed
-
-    @property
     def size(self) -> float:
         """Distance h of the nodes on the interface [length]."""
         return self.scene.material.shear_speed * self.end_time / self.settings.resolution
@@ -191,7 +185,7 @@ class Plan:
     @property
     def forerun(self) -> float:
         """Distance beyond the fastest front at which nodes may already move [length]."""
-        return causal_margin(self.fastest_speed, self.end_time, self.size, self.damping_time)
+        return causal_margin(self.scene.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
     def family(self) -> Family:
@@ -201,13 +195,13 @@ class Plan:
     @property
     def slot_length(self) -> float:
         """Length of slot next to the edge that is stored [length]."""
-        return observed_slot(self.fastest_speed, self.end_time, full=self.full)
+        return observed_slot(self.scene.fastest_speed, self.end_time, full=self.full)
 
     @property
     def blocks(self) -> Blocks:
         """The blocks that are meshed."""
         return causal_blocks(
-            self.fastest_speed,
+            self.scene.fastest_speed,
             self.end_time,
             self.size * self.family.spacing,
             damping_time=self.damping_time,
@@ -264,10 +258,7 @@ def _highest_of_patch(
     poisson_ratio: float,
     components: tuple[int, ...],
 ) -> float:
-    """Return the largest eigenfrequency of a patch with rows in element sides [c_t / side].
-
-    It is kept, because meshes are chosen among many that differ in size alone.
-    """
+    """Return the largest eigenfrequency of a patch with rows in element sides [c_t / side]."""
     x, solid = np.arange(PATCH + 1.0), Material(1.0, 1.0, poisson_ratio)
     return highest_of_patch(x, np.array(rows), find_family(element, mesh), solid, components)
 
@@ -300,16 +291,7 @@ def make_plan(
 ) -> Plan:
     """Make the plan of a run from the arguments of `simulate`, `prepare` and `cost`.
 
-    Parameters
-    ----------
-    scene : Scene, str or path
-    end_time : float or None
-        T [time]; the time a shear wave takes over a length of 1 if None.
-    settings : Settings or None
-    options : mapping
-        Fields of `Settings`, in place of those of `settings`.
-    full : bool
-        Whether whole fields are observed.
+    Options are fields of `Settings`, in place of those of `settings`; `full` observes whole fields.
 
     Raises
     ------

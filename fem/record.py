@@ -20,7 +20,6 @@ from semianalytic.scene.scene import Scene
 LEAST_GAP = 1e-9
 """Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:
 rounding is 1e-16 of that."""
-
 SEEN = slice(1, None)
 """Nodes of the contact whose histories are stored: all beyond the edge node."""
 
@@ -153,37 +152,30 @@ class MeshRecord:
         open_now = float(lengths @ (gap > 0))
         self._opened[:] = first, place, max(largest, gap[widest]), max(longest, open_now)
 
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """The arrays that are recorded, by their names in a checkpoint."""
+        names = ("interface", "energy", "totals", "state", "gap", "opened", "after", "final")
+        return {"slot": self._velocity, **{name: getattr(self, f"_{name}") for name in names}}
+
     def stored(self) -> dict[str, NDArray[Any]]:
         """Return everything that was recorded so far, for a checkpoint."""
         rows, levels = self._row, min(self._level, self.model.steps) + 1
         # of levels to come, half of the slip rates
         begun = int(np.searchsorted(self._levels, self._level + self.model.half_window, "right"))
-        return {
-            "interface": self._interface[:, :begun],
-            "slot": self._velocity[:, :rows],
-            "energy": self._energy[:, :levels],
-            "totals": self._totals[:, :levels],
-            "state": self._state[:rows],
-            "gap": self._gap[:rows],
-            "opened": self._opened,
-            "after": self._after,
-            "final": self._final,
+        known = {"interface": begun, "slot": rows, "energy": levels, "totals": levels}
+        arrays = {
+            name: one[:, : known[name]] if name in known else one
+            for name, one in self._arrays().items()
         }
+        return arrays | {"state": self._state[:rows], "gap": self._gap[:rows]}
 
     def restore(self, stored: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what `stored` returned in another run of the same model."""
-        self._row = rows = len(stored["state"])
-        levels = stored["energy"].shape[1]
-        self._level = levels - 1
-        self._interface[:, : stored["interface"].shape[1]] = stored["interface"]
-        self._velocity[:, :rows] = stored["slot"]
-        self._energy[:, :levels] = stored["energy"]
-        self._totals[:, :levels] = stored["totals"]
-        self._state[:rows] = stored["state"]
-        if stored["gap"].any():
-            self._gap[:rows] = stored["gap"]
-        for name in ("opened", "after", "final"):
-            getattr(self, f"_{name}")[:] = stored[name]
+        self._row = len(stored["state"])
+        self._level = stored["energy"].shape[1] - 1
+        for name, own in self._arrays().items():
+            if name != "gap" or stored["gap"].any():
+                own[tuple(map(slice, stored[name].shape))] = stored[name]
 
     def results(self) -> dict[str, Any]:
         """Return everything that was recorded, under the names of the fields of `Simulation`."""

@@ -20,30 +20,20 @@ LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
 """Largest turn of a load, over its largest value, while a shear wave covers so many node distances.
 It allows 12 of them in a period of a harmonic, 8 in a triangle, 4 in a rectangle, with frictional
 work within 6 % (docs/fem.md); the shorter time is for ripples."""
-
 LEAST_CROSSED = 16
 """Elements that the shear wave of the slower block should cross until the end: slip at the end is
 then within 0.5 %, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
-
 WEAKENING_ELEMENTS = 13
 """Elements in the process zone of slip weakening from which on slip is right to 1 %; slip rate, all
 of which is at the front, takes some 40 (docs/fem.md)."""
-
 MOST = 2**60
 ROUNDING = 1e-9
 
 
 def resolves(history: LoadHistory, crossing: float, end_time: float) -> bool:
-    """Return whether a mesh follows a history until the end time.
+    """Return whether a mesh follows the history of a load until the end time [time].
 
-    Parameters
-    ----------
-    history : LoadHistory
-        The history of a load.
-    crossing : float
-        Time in which the slowest shear wave covers a node distance [time].
-    end_time : float
-        End time of the run [time].
+    The slowest shear wave covers a node distance within the crossing time [time].
     """
     return all(
         history.turn(nodes * crossing, end_time) <= allowed + ROUNDING
@@ -54,13 +44,7 @@ def resolves(history: LoadHistory, crossing: float, end_time: float) -> bool:
 def needed_resolution(history: LoadHistory, crossing: float, end_time: float) -> int | None:
     """Return the least number of node distances per c_t T that follows a history, or None.
 
-    Parameters
-    ----------
-    history : LoadHistory
-    crossing : float
-        Time in which the slowest shear wave covers c_t T [time].
-    end_time : float
-        T [time].
+    Here the slowest shear wave covers c_t T within the crossing time [time].
     """
     if resolves(history, crossing, end_time):
         return 1
@@ -77,15 +61,9 @@ def needed_resolution(history: LoadHistory, crossing: float, end_time: float) ->
 
 
 def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
-    """Raise SceneError if a load turns back faster than the mesh can follow.
+    """Raise SceneError if a load turns back faster than the mesh can follow until T [time].
 
-    Parameters
-    ----------
-    scene : Scene
-    end_time : float
-        T [time].
-    resolution : int
-        Node distances per c_t T.
+    The resolution is the number of node distances per c_t T.
     """
     slowest = min(body.shear_speed for body in scene.bodies)
     crossing = scene.material.shear_speed * end_time / slowest
@@ -123,13 +101,7 @@ def slow_body_caution(scene: Scene, resolution: int) -> str:
 
 
 def weakening_caution(scene: Scene, end_time: float, resolution: int) -> str:
-    """Say in a sentence if the mesh is too coarse for slip weakening; "" if it is not.
-
-    Parameters
-    ----------
-    scene, end_time, resolution
-        Arguments of `check_resolved`.
-    """
+    """Say in a sentence if the mesh is too coarse for slip weakening; "" if it is not."""
     zone = min(process_zone(replace(scene, material=body)) for body in scene.bodies)
     elements = zone * resolution / (scene.material.shear_speed * end_time)
     if elements >= WEAKENING_ELEMENTS:
@@ -143,13 +115,7 @@ def weakening_caution(scene: Scene, end_time: float, resolution: int) -> str:
 
 
 def mesh_caution(scene: Scene, end_time: float, resolution: int) -> str:
-    """Say in sentences what the mesh is known to be too coarse for; "" if nothing.
-
-    Parameters
-    ----------
-    scene, end_time, resolution
-        Arguments of `check_resolved`.
-    """
+    """Say in sentences what the mesh is known to be too coarse for; "" if nothing."""
     cautions = (
         slow_body_caution(scene, resolution),
         weakening_caution(scene, end_time, resolution),

@@ -19,7 +19,7 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 10"
+FORMAT = "slipfront simulation 11"
 FILE_NAME = "simulation.h5"
 
 
@@ -207,8 +207,6 @@ class Simulation(SampledAnswer):
         snapshots carry it too.
     unwritten : str
         A sentence about files that could not be written during the run; empty if there are none.
-    remark : str
-        A sentence if the mesh was laid without gmsh; empty otherwise.
     companion : Simulation or None
         The same run at twice the element size, which carries its own; see `with_companions`.
 
@@ -250,7 +248,6 @@ class Simulation(SampledAnswer):
     peak_memory: int
     run: str
     unwritten: str
-    remark: str = ""
     companion: Simulation | None = None
 
     def __repr__(self) -> str:

@@ -142,31 +142,23 @@ def run_plan(
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Simulation:
-    """Build the model of a plan and march it to its end.
+    """Build the model of a plan and march it to its end; raises as `simulate`.
 
     Parameters
     ----------
     plan : Plan
     pace : Pace
         Interval between checkpoints.
-    kept : Path or None
-        File of checkpoints.
-    folder : Path or None
-        Folder of snapshots.
+    kept, folder : Path or None
+        File of checkpoints, and folder of snapshots.
     cost : Cost
         Prediction for the plan.
     complaints : Complaints
         Receives sentences about files that cannot be written.
     resume, progress
         Arguments of `simulate`.
-
-    Raises
-    ------
-    SceneError, MissingLibraryError, DataFileError, ComputationError, KeyboardInterrupt
-        For the reasons given at `simulate`.
     """
-    remarks: list[str] = []
-    model = build(plan, remarks.append)
+    model = build(plan)
     seconds = dict(model.seconds)
     _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
@@ -189,20 +181,8 @@ def run_plan(
                     raise KeyboardInterrupt
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
-    unwritten = pictures.missing if pictures else ""
     _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
-    return _result(model, record, seconds, run, unwritten, " ".join(remarks))
-
-
-def _result(
-    model: Model,
-    record: MeshRecord,
-    seconds: dict[str, float],
-    run: str,
-    unwritten: str,
-    remark: str,
-) -> Simulation:
-    plan, settings = model.plan, model.plan.settings
+    settings = plan.settings
     return Simulation(
         scene=plan.scene,
         end_time=plan.end_time,
@@ -221,8 +201,7 @@ def _result(
         seconds=seconds,
         peak_memory=peak_memory(),
         run=run,
-        unwritten=unwritten,
-        remark=remark,
+        unwritten=pictures.missing if pictures else "",
         **record.results(),
     )
 
@@ -260,15 +239,9 @@ class Complaints:
 def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[int]:
     """Kick the bodies at one time level after the other; the caller lets them `drift` between.
 
-    Parameters
-    ----------
-    model : Model
-    started : int
-        First time level, 0 unless resumed.
-    last : int, optional
-        Last time level, that of the end time unless given.
+    The first level is 0 unless resumed, and the last one that of the end time unless given.
     """
-    speed, work = model.plan.fastest_speed, 0.0
+    speed, work = model.plan.scene.fastest_speed, 0.0
     for step in range(started, (model.steps if last is None else last) + 1):
         reach = speed * (step + 1) * model.time_step + model.plan.forerun
         for load in model.loads:

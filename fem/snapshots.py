@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,20 +26,16 @@ from semianalytic.scene.errors import DataFileError
 INDEX = "fields.pvd"
 CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
 """VTK's names of the elements, whose nodes scikit-fem puts in the same order."""
-
 MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 """Order of the nodes of an element that makes its mirror image counter-clockwise again."""
-
 PRECISION = np.float32
 """Type of the fields in a frame.  Its rounding, 6e-8, is far below the errors of any mesh; in
 double precision a frame is 1.7 times as large and takes 1.7 times as long to write and to read."""
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
-
 COMPANIONS = 2
 """How many coarser runs a simulation carries, each at twice the element size of the one before."""
-
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
@@ -109,7 +105,7 @@ class Snapshots:
                 f"{due - len(self.frames)} of the {due} snapshots due before the interruption are "
                 f"not in {self.directory}."
             )
-        self._write_index()
+        write_index(self.directory, self.frames, self.run)
 
     def is_due(self, level: int) -> bool:
         """Return whether a time level has a frame, and no frame has failed."""
@@ -127,7 +123,7 @@ class Snapshots:
                         f"{path} would leave no room on the disk for the histories."
                     )
             self.frames.append((time, name))
-            self._write_index()
+            write_index(self.directory, self.frames, self.run)
         except DataFileError as error:
             self.frames = [entry for entry in self.frames if entry[1] != name]
             self.failed = True
@@ -199,19 +195,10 @@ class Snapshots:
             mirrored[:, 1] *= -1
         return np.concatenate(parts, axis=2)
 
-    def _write_index(self) -> None:
-        write_index(self.directory, self.frames, self.run)
-
 
 @contextmanager
 def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
-    """Open a frame of a run for writing; it gets its name when the context ends without error.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written.
-    """
+    """Open a frame of a run for writing; it gets its name when the context ends without error."""
     with new_file(path, seal=Seal.XML) as part:
         with _quick_compression():
             meshio.write(part, mesh, file_format="vtu")
@@ -237,13 +224,7 @@ def _quick_compression() -> Iterator[None]:
 
 
 def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:
-    """Write the index of the frames (time, name) of a run, completely or not at all.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written.
-    """
+    """Write the index of the frames (time, name) of a run, completely or not at all."""
     entries = "".join(
         f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for time, name in frames
     )
@@ -257,13 +238,7 @@ def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) 
 
 
 def frame_run(path: Path) -> str | None:
-    """Return the identity of the run that wrote a frame; None if there is no frame, or none known.
-
-    Parameters
-    ----------
-    path : Path
-        File of the frame.
-    """
+    """Return the identity of the run that wrote a frame; None if there is none or it has none."""
     try:
         with path.open("rb") as stream:
             stream.seek(max(stream.seek(0, 2) - 400, 0))
@@ -275,20 +250,16 @@ def frame_run(path: Path) -> str | None:
 
 def index_run(directory: Path) -> str | None:
     """Return the identity of the run that wrote the index of a folder; None if not known."""
-    try:
-        collection = ElementTree.parse(directory / INDEX).getroot().find("Collection")
-    except (OSError, ElementTree.ParseError):
-        return None
-    return None if collection is None else collection.get("run")
+    return _collection(directory).get("run")
 
 
-def _listed(directory: Path) -> list[str]:
-    """Return the names of the frames that the index of a folder lists; none without an index."""
-    try:
-        entries = ElementTree.parse(directory / INDEX).getroot().iter("DataSet")
-        return [entry.get("file", "") for entry in entries]
-    except (OSError, ElementTree.ParseError):
-        return []
+def _collection(directory: Path) -> ElementTree.Element:
+    """Return what the index of a folder lists; an empty collection without an index."""
+    with suppress(OSError, ElementTree.ParseError):
+        found = ElementTree.parse(directory / INDEX).getroot().find("Collection")
+        if found is not None:
+            return found
+    return ElementTree.Element("Collection")
 
 
 def companion_folder(snapshots: Path, number: int) -> Path:
@@ -299,21 +270,15 @@ def companion_folder(snapshots: Path, number: int) -> Path:
 def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
 
-    If the index was of another run, the frames of its companions go too.
-
-    Parameters
-    ----------
-    directory : Path
-        The folder; it need not exist.
-    run : str
-        Identity of the run whose frames stay.
+    The folder need not exist.  If its index was of another run, the frames of its companions go
+    too.
 
     Raises
     ------
     DataFileError
         If they cannot be removed.
     """
-    listed = _listed(directory)
+    listed = [entry.get("file") for entry in _collection(directory).iter("DataSet")]
     try:
         for path in sorted(directory.glob("fields-*.vtu")):
             owner = frame_run(path)
@@ -349,18 +314,9 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the vectors at the nodes of `both_blocks` from the unknowns of each body.
+    """Return the vectors (n or 2 n, 3) at the nodes of `both_blocks`.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    unknowns : list of arrays
-        Mass-normalised unknowns, one array per body.
-
-    Returns
-    -------
-    (n or 2 n, 3) array
+    They come from the mass-normalised unknowns of each body.
     """
     fields = []
     for body, values in zip(model.bodies, unknowns, strict=True):

@@ -18,8 +18,8 @@ and that every other force F_n at t_n does the work F_n . (d_{n-1/2} + d_{n+1/2}
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -31,21 +31,11 @@ from scipy.sparse.linalg import eigsh
 def normalised(
     stiffness: sparse.csr_array, mass: NDArray[np.float64]
 ) -> tuple[sparse.csr_array, NDArray[np.float64]]:
-    """Return the stiffness in mass-normalised unknowns.
+    """Return the stiffness in mass-normalised unknowns, and the roots of their masses.
 
-    Parameters
-    ----------
-    stiffness : (m n, m n) CSR array
-        Stiffness with m components per node.
-    mass : (n,) array
-        Lumped masses.
-
-    Returns
-    -------
-    matrix : (m n, m n) CSR array
-        K_ij / sqrt(m_i m_j) [1 / time^2].
-    root : (m n,) array
-        Square root of the mass of every unknown.
+    The stiffness (m n, m n) has m components per node, the lumped masses are (n,).  The first
+    result is K_ij / sqrt(m_i m_j) [1 / time^2], the second the root of the mass of every unknown (m
+    n,).
     """
     components = stiffness.shape[0] // len(mass)
     root = np.sqrt(np.repeat(mass, components))
@@ -58,14 +48,8 @@ def normalised(
 def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
     """Return the largest eigenfrequency omega [1 / time] of the mass-normalised stiffness.
 
-    The Lanczos method approaches it from below; the tolerance is added, so that omega is not
-    underestimated.
-
-    Parameters
-    ----------
-    matrix : (n, n) CSR array
-    tol : float
-        Relative tolerance; clusters of high frequencies need a small one.
+    The Lanczos method approaches it from below; the relative tolerance is added, so that omega is
+    not underestimated.  Clusters of high frequencies need a small one.
     """
     start = np.random.default_rng(0).standard_normal(matrix.shape[0])
     largest = eigsh(matrix, k=1, which="LA", v0=start, ncv=20, tol=tol, return_eigenvectors=False)
@@ -75,12 +59,8 @@ def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
 def critical_step(frequency: float, damping_time: float) -> float:
     """Return the largest stable time step, (2/omega) (sqrt(1 + z^2) - z), z = eta omega / 2.
 
-    Parameters
-    ----------
-    frequency : float
-        Largest eigenfrequency omega [1 / time].
-    damping_time : float
-        eta of the damping C = eta K, taken at the past half-step [time].
+    omega is the largest eigenfrequency [1 / time], and eta that of the damping C = eta K, taken at
+    the past half-step [time].
     """
     z = damping_time * frequency / 2
     return 2 / frequency * (float(np.hypot(1.0, z)) - z)
@@ -97,14 +77,6 @@ class BodyEnergy(NamedTuple):
     strain: float
     damping: float
     external: float
-
-
-class BodyState(NamedTuple):
-    """The state from which a body continues: U and D (n,) after a drift, and sums of work (3,)."""
-
-    displacement: NDArray[np.float64]
-    increment: NDArray[np.float64]
-    sums: NDArray[np.float64]
 
 
 @dataclass
@@ -150,10 +122,10 @@ class MarchedBody:
     matrix: sparse.csr_array
     root: NDArray[np.float64]
     damping: float
-    loaded: NDArray[np.int64]
-    load: NDArray[np.float64]
-    held: NDArray[np.int64]
-    mirrored: NDArray[np.int64]
+    loaded: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    load: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    held: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    mirrored: NDArray[np.int64] = field(default_factory=lambda: np.empty((2, 0), dtype=np.int64))
 
     def __post_init__(self) -> None:
         unknowns = self.matrix.shape[0]
@@ -184,10 +156,7 @@ class MarchedBody:
     def kick(self, part: float) -> None:
         """Change the increment by the internal forces and the load, and keep it at the walls.
 
-        Parameters
-        ----------
-        part : float
-            Fraction of a step the forces act for: 1/2 at t = 0, from rest, then 1.
+        Forces act for a part of a step: 1/2 at t = 0, from rest, then 1.
         """
         kinetic, now, taken = self._sum(self._kick_strip)
         # the strips wrote D - A (U + theta D) over the older increment; the two change their roles
@@ -202,13 +171,7 @@ class MarchedBody:
         self.increment[second] = -self.increment[first]
 
     def drift(self, part: float) -> None:
-        """Move on to the next time level, after the kick and all tractions on the faces.
-
-        Parameters
-        ----------
-        part : float
-            Fraction of a step, as in the kick before.
-        """
+        """Move on to the next level, after the kick of the same part and all tractions."""
         loaded, taken = self.loaded, self._taken
         increments = self.before[loaded] + self.increment[loaded]
         # a force at t_n does work on the mean of the increments before and after it
@@ -238,15 +201,15 @@ class MarchedBody:
         results = [work(rows, matrix) for rows, matrix in self._strips]
         return [sum(values) for values in zip(*results, strict=True)]
 
-    def state(self) -> BodyState:
+    def state(self) -> dict[str, NDArray[np.float64]]:
         """The state from which the march continues, after a drift; the arrays are not copies."""
         sums = np.array([self._square, self._inside, self._outside])
-        return BodyState(self.displacement, self.increment, sums)
+        return {"displacement": self.displacement, "increment": self.increment, "sums": sums}
 
-    def restore(self, state: BodyState) -> None:
+    def restore(self, state: Mapping[str, NDArray[np.float64]]) -> None:
         """Continue from the state of another body of the same model, to the last bit."""
-        self.displacement[:], self.increment[:] = state.displacement, state.increment
-        self._square, self._inside, self._outside = state.sums.tolist()
+        self.displacement[:], self.increment[:] = state["displacement"], state["increment"]
+        self._square, self._inside, self._outside = state["sums"].tolist()
         np.multiply(self.increment, self.damping, out=self._damped)
         self._damped += self.displacement
 

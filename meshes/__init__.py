@@ -8,16 +8,13 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 
 with needing("the mesh of a finite-element model"):
     from meshes.blocks import Blocks, causal_blocks
-    from meshes.build import build_mesh
-    from meshes.cache import cache_directory, cached_mesh
-    from meshes.read import read_mesh, side_nodes
+    from meshes.cache import cache_directory, mesh_of
+    from meshes.read import side_nodes
 
 __all__ = [
     "Blocks",
-    "build_mesh",
     "cache_directory",
-    "cached_mesh",
     "causal_blocks",
-    "read_mesh",
+    "mesh_of",
     "side_nodes",
 ]

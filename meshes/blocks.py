@@ -12,10 +12,8 @@ from semianalytic.scene.errors import SceneError
 
 PATTERNS = ("squares", "graded", "triangles")
 """Mesh patterns: squares, rows that grow away from the interface, unstructured triangles."""
-
 GROWTH = 1.05
 """Height of each row of a graded mesh over that of the row before, so h + 0.05 |y|."""
-
 MOST_ELEMENTS = 10_000_000
 """Largest mesh accepted; putting its matrix together takes about 35 gigabytes."""
 
@@ -112,22 +110,11 @@ class Blocks:
 
 
 def causal_margin(speed: float, end_time: float, size: float, damping_time: float = 0.0) -> float:
-    """Return how far numerical forerunners run ahead of the pressure front [length].
+    """Return how far numerical forerunners run ahead of the pressure front until T [length].
 
-    A wave of a mesh has no sharp front: dispersion smears it over a few elements, and the
-    damping C = eta K spreads it like a diffusion of strength eta c_l^2.  Beyond
-    8 h + 3 c_l sqrt(eta T) what is left is below rounding for every purpose here.
-
-    Parameters
-    ----------
-    speed : float
-        Of the fastest wave, c_l [length / time].
-    end_time : float
-        T [time].
-    size : float
-        h [length].
-    damping_time : float
-        eta [time].
+    A wave of a mesh has no sharp front: dispersion smears it over a few elements, and the damping C
+    = eta K spreads it like a diffusion of strength eta c_l^2, eta being the damping time.  Beyond 8
+    h + 3 c_l sqrt(eta T) what is left is below rounding for every purpose here.
     """
     return 8 * size + 3 * speed * math.sqrt(damping_time * end_time)
 
@@ -207,15 +194,5 @@ def causal_blocks(
 
 
 def observed_slot(speed: float, end_time: float, full: bool = False) -> float:
-    """Return the length of slot next to the edge that no reflection reaches by the end time.
-
-    Parameters
-    ----------
-    speed : float
-        Of the fastest wave [length / time].
-    end_time : float
-        [time].
-    full : bool
-        Whether the blocks are the full ones of `causal_blocks`.
-    """
+    """Return the length of slot next to the edge that no reflection reaches until T [length]."""
     return speed * end_time / (1 if full else 2)

@@ -1,4 +1,4 @@
-"""The cache of meshes, which are built once and kept in the user's cache folder."""
+"""Meshes of blocks: laid at once, or of triangles, which are kept in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from platformdirs import user_cache_dir
 from skfem import MeshQuad, MeshTri
 
 from meshes.blocks import Blocks
-from meshes.build import Tell, new_mesh_file, write_mesh
+from meshes.build import new_mesh_file, write_mesh
+from meshes.laid import laid_mesh
 from meshes.read import read_mesh
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
@@ -34,29 +35,30 @@ def cache_path(blocks: Blocks) -> Path:
     return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
 
 
-def cached_mesh(blocks: Blocks, tell: Tell | None = None) -> MeshQuad | MeshTri:
-    """Return the mesh of the blocks from the cache, or build and keep it.
+def mesh_of(blocks: Blocks) -> MeshQuad | MeshTri:
+    """Return the mesh of the blocks; triangles come from the cache, or are built and kept there.
 
     A damaged file in the cache is built again, which costs only time.
 
     Parameters
     ----------
     blocks : Blocks
-    tell : callable, optional
-        Called with a sentence if a mesh is built without gmsh; see `build_mesh`.
 
     Returns
     -------
     MeshQuad, or MeshTri for the pattern "triangles"
-        See `read_mesh`.
+        One mesh of one or two parts that share no node, with subdomains "upper" ("lower").
+        `side_nodes` finds the nodes of a side.
 
     Raises
     ------
     MissingLibraryError
-        If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
+        If triangles have to be built, and gmsh cannot be loaded.
     DataFileError
         If the cache folder cannot be written, or a mesh just built cannot be read.
     """
+    if blocks.pattern != "triangles":
+        return laid_mesh(blocks)
     path = cache_path(blocks)
     # what is damaged is replaced, and what cannot be looked at is not there
     with suppress(DataFileError, OSError, ValueError):
@@ -67,7 +69,7 @@ def cached_mesh(blocks: Blocks, tell: Tell | None = None) -> MeshQuad | MeshTri:
             return mesh
     try:
         with new_mesh_file(blocks, path) as part:
-            write_mesh(blocks, part, tell)
+            write_mesh(blocks, part)
             mesh = read_mesh(part, blocks)
         _log.debug("mesh built and kept in %s", path)
     except DataFileError as error:

@@ -21,7 +21,7 @@ from compare.output.tables import write_rows
 from fem import simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fem.results import load_simulation
-from meshes import Blocks, cached_mesh
+from meshes import Blocks, mesh_of
 from meshes.cache import cache_path
 from semianalytic import Marched, Run, find, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
@@ -33,7 +33,7 @@ ROOM = 8192
 """What a full disk has left, or how long a file may get [bytes]; less than any kind needs."""
 
 NOBODY = 65534
-BLOCKS = Blocks(size=0.1, left=20, right=20, height=10)
+BLOCKS = Blocks(size=0.1, left=20, right=20, height=10, pattern="triangles")
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def write_index(folder):
 def read_mesh_again(path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(path.parent))
-        mesh = cached_mesh(BLOCKS)
+        mesh = mesh_of(BLOCKS)
     return (mesh.p, mesh.t, dict(mesh.subdomains))
 
 

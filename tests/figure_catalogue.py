@@ -27,6 +27,7 @@ from compare.comparison.judgement import side_by_side
 from compare.figures import histories, interface
 from compare.figures.fields import FieldPicture
 from compare.figures.fronts import reach
+from compare.figures.named import answer_figure
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
@@ -150,7 +151,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
         solved("tap")
     ),
-    "compare.figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
+    "compare.figures.named.answer_figure": lambda: answer_figure(_marched("unload")),
     "compare.figures.snapshots.snapshot_figure": _snapshots,
     "compare.figures.records.record_figure": _record,
     **{

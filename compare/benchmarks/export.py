@@ -25,26 +25,9 @@ def exported(sheets: Sequence[Sheet]) -> dict[str, bytes]:
 
 
 def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) -> list[Path]:
-    """Write sheets into a folder: all of them, or none.
+    """Write sheets into a folder, all or none, and return what was written.
 
-    Parameters
-    ----------
-    folder : Path
-    sheets : sequence of Sheet
-    overwrite : bool
-        Whether files that are there may be replaced.
-
-    Returns
-    -------
-    list of Path
-        What was written.
-
-    Raises
-    ------
-    SceneError
-        If a file is there, and is not to be replaced.
-    DataFileError
-        If the folder cannot be written.
+    Files that are there are replaced only with `overwrite`, else refused by a SceneError.
     """
     contents = exported(sheets)
     there = sorted(name for name in contents if (folder / name).exists())

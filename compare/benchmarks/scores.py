@@ -9,21 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.benchmarks.answers import (
-    Answered,
-    Stored,
-    answer_to,
-    arrival_quantity,
-    arrival_time,
-    first_crossing,
-    values_of,
-)
+from compare.benchmarks import answers
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.names import not_read
@@ -84,17 +76,12 @@ class Score:
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
     """Score the runs of files; files that hold one station each are one run, as for `validate`.
 
-    Parameters
-    ----------
-    paths : sequence of Path
-        Files or folders.
-    sheet : Sheet, optional
-        That they are of, unless the files say so (``# benchmark: NAME``).
+    They are of a sheet that is given, or that they name (``# benchmark: NAME``).
 
     Raises
     ------
     DataFileError
-        If the file cannot be read, is of another sheet, or in other units; or as `score`.
+        If a file cannot be read, is of another sheet, or in other units; or as `score`.
     SceneError
         If nothing says which sheet it is of.
     """
@@ -140,12 +127,9 @@ def _named(path: Path) -> str | None:
 def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     """Every number of a run that its sheet asks for.
 
-    Raises
-    ------
-    DataFileError
-        If the run has no station of the sheet between 0 and T.
+    A run without a station of the sheet between 0 and T is refused by a DataFileError.
     """
-    answer, end = answer_to(sheet), sheet.end_time
+    answer, end = answers.answer_to(sheet), sheet.end_time
     near = [one for one in records.stations if _near(sheet, one.x).any()]
     known = [one for one in (_until(one, end) for one in near) if len(one.t) > 1]
     if not known:
@@ -167,7 +151,7 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     errors |= {name: _relative_error(sheet, answer, known, name, step) for name in sheet.report}
     scores = []
     for name, error in errors.items():
-        held = _held(sheet, known, arrival_quantity(sheet) if name == ARRIVAL else name)
+        held = _held(sheet, known, answers.arrival_quantity(sheet) if name == ARRIVAL else name)
         grade = class_of(sheet, name, error) if held >= ENOUGH else ""
         scores.append(Score(records.source, sheet.name, verdict, name, error, grade, held, notes))
     return tuple(scores)
@@ -188,9 +172,8 @@ def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
 
 def _until(record: Record, end: float) -> Record:
     """A record over 0 < t <= T."""
-    kept = (record.t > 0) & (record.t <= end * (1 + NOTHING))
-    t = np.minimum(record.t[kept], end)
-    return Record(record.x, t, {name: values[kept] for name, values in record.values.items()})
+    kept = record.taken((record.t > 0) & (record.t <= end * (1 + NOTHING)))
+    return replace(kept, t=np.minimum(kept.t, end))
 
 
 def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:
@@ -205,28 +188,32 @@ def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:
     return float(shares.mean())
 
 
-def _arrival_error(sheet: Sheet, answer: Answered, stations: Iterable[Record]) -> float:
+def _arrival_error(sheet: Sheet, answer: answers.Answered, stations: Iterable[Record]) -> float:
     """Root of the mean square error over T; what is not reached counts as reached at the end.
 
     Where slip begins at once, as in the middle of a patch, nothing is timed.
     """
-    errors, name = [], arrival_quantity(sheet)
+    errors, name = [], answers.arrival_quantity(sheet)
     for one in stations:
         if name not in one.values:
             return math.nan
         end = float(one.t[-1])
-        at = min(first_crossing(sheet, one.t, one.values[name]), end)
-        exact = min(arrival_time(sheet, answer, one.x), end)
+        at = min(answers.first_crossing(sheet, one.t, one.values[name]), end)
+        exact = min(answers.arrival_time(sheet, answer, one.x), end)
         if exact > 0 and min(at, exact) < end:
             errors.append((at - exact) / sheet.end_time)
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan
 
 
 def _relative_error(
-    sheet: Sheet, answer: Answered, stations: Sequence[Record], name: str, step: float
+    sheet: Sheet, answer: answers.Answered, stations: Sequence[Record], name: str, step: float
 ) -> float:
     """Relative L1 error of a quantity, means of slip rate over a step; nan where none has it."""
     wrong = whole = unit = 0.0
+    # what an error is relative to where the answer is zero, as it is nowhere but in scenes
+    scene = _slot_in_one_solid(sheet)
+    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
+    size = scale(scene) if scene else 1.0
     for one in stations:
         step = step if name == "slip_rate" else 0.0
         t, values, exact = _both(answer, one, name, step)
@@ -235,7 +222,7 @@ def _relative_error(
             t, values, exact = t[known], values[known], exact[known]
             wrong += float(np.trapezoid(np.abs(values - exact), t))
             whole += float(np.trapezoid(np.abs(exact), t))
-            unit += _unit(sheet, name) * float(t[-1] - t[0])
+            unit += size * float(t[-1] - t[0])
     whole = whole if whole > NOTHING * unit else unit
     return wrong / whole if whole else math.nan
 
@@ -247,25 +234,20 @@ def _slot_in_one_solid(sheet: Sheet) -> Scene | None:
     return scene if taken else None
 
 
-def _unit(sheet: Sheet, name: str) -> float:
-    """What an error is relative to where the answer is zero, as it is nowhere but in scenes."""
-    scene = _slot_in_one_solid(sheet)
-    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
-    return scale(scene) if scene else 1.0
-
-
-def _both(answer: Answered, record: Record, name: str, step: float) -> tuple[Array, Array, Array]:
+def _both(
+    answer: answers.Answered, record: Record, name: str, step: float
+) -> tuple[Array, Array, Array]:
     """Times, values of a record and exact ones, (n,); values that it does not hold are nan."""
     values = record.values.get(name, np.full(len(record.t), math.nan))
-    if isinstance(answer, Stored):
+    if isinstance(answer, answers.Stored):
         # Fronts are so sharp that only a record, which has the steps of its code, may be
         # interpolated.  A mean from t to t + step counts for the middle.
         t = answer.t[(answer.t >= record.t[0]) & (answer.t <= record.t[-1])]
         values = np.interp(t, record.t + step / 2, values)
-        return t, values, values_of(answer, name, record.x, t)
-    t, exact = record.t, values_of(answer, name, record.x, record.t)
+        return t, values, answers.values_of(answer, name, record.x, t)
+    t, exact = record.t, answers.values_of(answer, name, record.x, record.t)
     if step:
         ends = np.minimum(t + step, 1.0)  # a march ends at T
-        slips = [values_of(answer, "slip", record.x, one) for one in (t, ends)]
+        slips = [answers.values_of(answer, "slip", record.x, one) for one in (t, ends)]
         exact = np.divide(slips[1] - slips[0], ends - t, out=exact, where=ends > t)
     return t, values, exact

@@ -140,13 +140,7 @@ class Sheet:
 
 
 def stored_text(name: str, folder: Path = DATA) -> str:
-    """Return the text of a file of the package.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be read, or is not what its checksum says.
-    """
+    """Return the text of a file of the package; DataFileError if it does not fit its checksum."""
     path = folder / name
     try:
         data = path.read_bytes()
@@ -178,13 +172,7 @@ def sheets() -> Mapping[str, Sheet]:
 
 
 def find_sheet(name: str) -> Sheet:
-    """Sheet of a name.
-
-    Raises
-    ------
-    SceneError
-        If there is none.
-    """
+    """Sheet of a name; SceneError if there is none."""
     known = sheets()
     if name in known:
         return known[name]

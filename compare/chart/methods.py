@@ -108,14 +108,8 @@ def exact(problem: Problem, rtol: float) -> Any:
 
 def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
     """March a problem of one material."""
-    return solve(
-        problem.scene,
-        method="space-time",
-        end_time=problem.end_time,
-        nodes=int(nodes),
-        every=_LAST,
-        companion=companion,
-    )
+    given = {"end_time": problem.end_time, "nodes": int(nodes), "every": _LAST}
+    return solve(problem.scene, method="space-time", **given, companion=companion)
 
 
 def _finite_elements(problem: Problem, resolution: float) -> Any:
@@ -176,13 +170,11 @@ def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
     """Return `measured` of a fresh process, which may fail, for instance for lack of memory."""
     given = [problem.source, repr(float(problem.end_time)), method, repr(setting), LIFELINE]
     command = [sys.executable, "-m", "compare.chart.methods", *given]
-    inherited: dict[str, Any] = {
-        "env": {**os.environ, **ONE_THREAD},
-        "capture_output": True,
-        "text": True,
-    }
+    environment = {**os.environ, **ONE_THREAD}
     with lifeline() as stdin:
-        process = subprocess.run(command, stdin=stdin, **inherited)
+        process = subprocess.run(
+            command, stdin=stdin, env=environment, capture_output=True, text=True
+        )
     if process.returncode:
         last = (process.stderr.strip().splitlines() or ["no message"])[-1]
         raise ComputationError(

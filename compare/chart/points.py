@@ -29,7 +29,6 @@ FILE = "data/chart.csv"
 COMMAND = "slipfront chart"
 REFERENCE_NODES = 4096
 """Nodes of a marched reference."""
-
 Key = tuple[str, str, float]  # label of a scene, method and setting
 
 

@@ -71,19 +71,12 @@ def error_bar(
 ) -> ErrorBar:
     """Error bar of a reading, or of a norm.
 
-    Parameters
-    ----------
-    changes : sequence of float
-        Differences from the mesh 2h to h and, if there is such a mesh, from 4h to 2h: signed
-        differences of one value, or norms of the differences of a field.
-    floor : float
-        Uncertainty due to nodes, steps and rounding, in the same unit.  Changes that do not fall
-        with `LEAST_ORDER` and are no larger than it allows show no order; the last one counts as no
-        smaller than the floor.
-    ratio : float
-        Ratio of the element sizes of two successive meshes.
-    most : float
-        Largest order that is believed.
+    Changes are differences from the mesh 2h to h and, if there is such a mesh, from 4h to 2h:
+    signed ones of one value, or norms of those of a field.  The floor is the uncertainty due to
+    nodes, steps and rounding, in the same unit: changes that do not fall with `LEAST_ORDER` and are
+    no larger than it allows show no order, and the last one counts as no smaller than it.  The
+    ratio is that of the element sizes of two successive meshes, and `most` the largest order that
+    is believed.
     """
     order = observed_order(changes, ratio)
     if len(changes) == 1:
@@ -108,12 +101,7 @@ def slowest_bar(error: ErrorBar, changes: Sequence[float], floor: float = 0.0) -
     """Error bar of a reading that converges by itself, although its changes together with those of
     what drives it do not: the changes are taken to fall with `LEAST_ORDER`.
 
-    Parameters
-    ----------
-    error : ErrorBar
-        Error bar of the changes.
-    changes, floor
-        As for `error_bar`, for meshes whose element sizes differ by a factor of 2.
+    The error is that of the changes; these and the floor are as for `error_bar`, for a ratio of 2.
     """
     last = max(abs(change) / 2 ** (LEAST_ORDER * older) for older, change in enumerate(changes))
     size = SAFETY * last / (2**LEAST_ORDER - 1) + floor

@@ -132,13 +132,7 @@ RUN_DIMENSIONS: Dimensions = {
 def units_document(document: Any, dimensions: Any, scene: Any) -> Any:
     """Return the unit of each number of a document, under the same names; counts have none.
 
-    Parameters
-    ----------
-    document : dict, list or number
-    dimensions : Dimensions, str or callable
-        A callable returns them for the scene.
-    scene : Scene
-        Problem whose units are used.
+    A callable in the place of dimensions returns them for the scene, whose units are used.
     """
     if callable(dimensions):
         dimensions = dimensions(scene)
@@ -236,13 +230,7 @@ def points_document(reading: Reading, at: bool = True) -> list[dict[str, Any]]:
     """Return arrivals and fields at points, each a value and the bar of its error.
 
     A time or bar that is infinite becomes null in JSON: nothing arrives, or no bar is known.
-
-    Parameters
-    ----------
-    reading : Reading
-        Arrays of positions and times of one shape.
-    at : bool
-        Whether the points have times; without, arrivals are all there is.
+    Without times (`at`), arrivals are all there is.
     """
     points = []
     for place in np.ndindex(reading.x.shape):
@@ -362,17 +350,8 @@ def envelope(
 ) -> dict[str, Any]:
     """Return the JSON document of a command: its own keys and those that all commands have.
 
-    Parameters
-    ----------
-    command : str
-        Name as typed after ``slipfront``.
-    document : mapping
-        Keys of the command itself, which go in unchanged; its "status" and "units" replace the
-        common ones.
-    status : str
-        How the command ended: "done", or the verdict.
-    files : paths
-        Files that were written.
+    The keys of the document go in unchanged; its "status" and "units" replace the common ones.  The
+    status is how the command ended: "done", or the verdict; files are those that were written.
     """
     return {
         "command": command,

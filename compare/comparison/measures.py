@@ -46,18 +46,10 @@ def nearest(values: Array, place: float) -> int:
 
 
 def norm(values: Array, position: Array, order: int, time: Array | None = None) -> float:
-    """Norm (∫ |values|^order d position)^(1/order) by the trapezoidal rule.
+    """Norm (∫ |values|^order d position)^(1/order) by the trapezoidal rule, of order 1 or 2.
 
-    Parameters
-    ----------
-    values : (n,) or (m, n) array
-        Samples, at several times if times are given.
-    position : (n,) array
-        Positions of the samples, increasing.
-    order : int
-        1 for L1, 2 for L2.
-    time : (m,) array, optional
-        Times of the samples, which are integrated over as well.
+    Values are (n,) at increasing positions (n,), or (m, n) if they are at times (m,), which are
+    integrated over as well.
     """
     integral = np.trapezoid(np.abs(values) ** order, position)
     if time is not None:
@@ -70,12 +62,7 @@ def relative_error(
 ) -> float:
     """Norm of the difference over the norm of the prediction; infinite where that is zero.
 
-    Parameters
-    ----------
-    values, prediction : (n,) or (m, n) arrays
-        Two answers at the same positions, and times if they are given.
-    position, order, time
-        As for `norm`.
+    Both have the form of `norm`.
     """
     size = norm(prediction, position, order, time)
     return norm(values - prediction, position, order, time) / size if size > 0 else math.inf
@@ -90,19 +77,10 @@ def is_nothing(values: Array, unit: float) -> bool:
 
 
 def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
-    """First time at which slip at one point is faster than the threshold, between samples.
+    """First time at which |slip rate| at one point exceeds a threshold [length / time].
 
-    Parameters
-    ----------
-    time, slip_rate : (m,) arrays
-        Record at one point of the interface.
-    threshold : float
-        Least absolute slip rate that counts as slip [length / time].
-
-    Returns
-    -------
-    float or None
-        The time [time], interpolated linearly between two samples; None if slip stays slower.
+    It is interpolated linearly between two samples of the record (m,) [time]; None if slip stays
+    slower.
     """
     return first_above(time, np.abs(slip_rate), threshold)
 

@@ -33,20 +33,8 @@ def planned(
 ) -> tuple[Solution | PairSolution | None, MeshChoice]:
     """Predict a scene, unless that has to follow the simulation, and choose the mesh to compare on.
 
-    The prediction is None if it has to follow.
-
-    Parameters
-    ----------
-    scene : Scene
-    method : str
-        As for `predict_like`.
-    budget, snapshots, **settings
-        As in `choose_mesh`.
-
-    Raises
-    ------
-    SceneError, TensionError
-        As `predict_like`, also of a march that has to follow, and as `choose_mesh`.
+    The prediction is None if it has to follow.  The method is as for `predict_like`, all else as in
+    `choose_mesh`, and so are errors, also of a march that has to follow.
     """
     prediction = predict_before(scene, method)
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
@@ -63,13 +51,7 @@ def planned(
 
 
 def _chosen(scene: Scene, method: str) -> str:
-    """Return the name of the method that predicts a scene.
-
-    Raises
-    ------
-    SceneError
-        If there is none; a march is of identical bodies.
-    """
+    """Return the name of the method that predicts a scene; a march is of identical bodies."""
     if scene.lower_material is not None and method == "space-time":
         raise SceneError(
             "--method space-time is for identical bodies; leave it out for different ones, or "
@@ -94,24 +76,16 @@ def predict_like(
 ) -> Solution | PairSolution | Marched:
     """Predict the scene of a simulation, on its contact and until its end.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        Its scene, end time, nodes and times are used, but none of its results.
-    method : str
-        "auto", "self-similar" or "space-time".
-    progress : callable, optional
-        Called with (step, steps) during a march.
+    Its scene, end time, nodes and times are used, but none of its results.  The method is "auto",
+    "self-similar" or "space-time"; `progress` is called with (step, steps) during a march.
 
     Raises
     ------
     SceneError
         If the method does not apply to the scene, a march cannot follow its loads, or two different
         bodies have no exact answer.
-    TensionError
-        If the pressure turns tensile, so that neither solver applies.
-    ComputationError
-        If a march fails.
+    TensionError, ComputationError
+        If the pressure turns tensile, so that neither solver applies, or a march fails.
     """
     solution = predict_before(simulation.scene, method)
     if solution is not None:

@@ -21,7 +21,7 @@ from compare.comparison.documents import (
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.rows import AGREES
-from compare.output.files import write_text
+from compare.output.places import write_text
 from semianalytic.results.answer import Answer, method_of
 from semianalytic.scene.given.documents import scene_document
 

@@ -71,15 +71,9 @@ def contact_fronts(scene: Scene) -> dict[str, float]:
 
 
 def speed_regime(speed: float, scene: Scene) -> str:
-    """Name of the range between wave speeds in which a zone edge moves.
+    """Name of the range between wave speeds in which a zone edge moves [length / time].
 
-    Parameters
-    ----------
-    speed : float
-        Velocity of the edge [length / time], from 0 to infinity.
-    scene : Scene
-        Its wave speeds divide the ranges; an edge within 1e-6 of one moves at that speed.  In
-        antiplane slip c_R does not divide ranges.
+    An edge within 1e-6 of a wave moves at its speed.  In antiplane slip c_R does not divide ranges.
     """
     material = scene.material
     names = {"c_t": material.shear_speed, "c_l": material.longitudinal_speed}

@@ -21,16 +21,8 @@ INDEX = "fields.pvd"
 def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Path]]:
     """Times [time] and files of the frames that the index of a folder of snapshots lists, in order.
 
-    Parameters
-    ----------
-    folder : Path
-    run : str, optional
-        Identity of the simulation that index and last frame must belong to; any by default.
-
-    Raises
-    ------
-    DataFileError
-        If the index is missing, damaged or of another run, or lists no frame.
+    Index and last frame must belong to a run, any by default; else, or if the index is missing,
+    damaged or empty, a DataFileError is raised.
     """
     from fem.snapshots import frame_run, index_run
 
@@ -58,13 +50,7 @@ def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Pat
 
 @contextmanager
 def frame_mesh(path: Path) -> Iterator[meshio.Mesh]:
-    """The mesh and fields of a frame.
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing or damaged, or lacks data that the caller reads from it.
-    """
+    """The mesh and fields of a frame; DataFileError if it is damaged or lacks what is read."""
     import meshio
 
     try:

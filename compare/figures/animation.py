@@ -36,26 +36,11 @@ def write_animation(
     times: Sequence[float],
     progress: Callable[[int, int], object] | None = None,
 ) -> None:
-    """Write a picture at several times as an animation, in the format of its file name.
+    """Write a picture at several times [time] as an animation, in the format of its file name.
 
-    The file appears only when it is complete.
-
-    Parameters
-    ----------
-    path : Path
-        File to write, whose suffix is a key of `WRITERS`.
-    picture : FieldPicture
-    times : sequence of float
-        Times of the frames [time].
-    progress : callable, optional
-        Called with (frame, frames) after each frame.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    ComputationError
-        If ffmpeg fails.
+    The suffix is a key of `WRITERS`; the file appears only when it is complete, and `progress` is
+    called with (frame, frames) after each.  A DataFileError says that it cannot be written, a
+    ComputationError that ffmpeg fails.
     """
     with new_file(path, suffix=path.suffix) as part:
         writer = WRITERS[path.suffix[1:]](fps=PER_SECOND)

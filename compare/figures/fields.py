@@ -28,7 +28,7 @@ from compare.figures.style import (
     outline,
     scene_words,
 )
-from compare.output.bodies import Fields
+from compare.output.field_files import Fields
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995
@@ -132,7 +132,7 @@ class FieldPicture:
 def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[float]:
     """Return the places of Rayleigh fronts: on the slot, and where slip or opening covers one.
 
-    Between different bodies that slip there is no such wave, and none is marked in their openings.
+    Between different bodies that slip there is no such wave.
     """
     if fields.scene.lower_material is not None:
         return [-body.rayleigh_speed * time for body in fields.scene.bodies]
@@ -167,10 +167,7 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
 
 
 def _name_at(panel: Axes, front: Front, window: Window) -> tuple[float, float] | None:
-    """Return where the name of a front is seen, clear of names that are there; None if nowhere.
-
-    It is the place that the front asks for, or one to either side of it along the front.
-    """
+    """Return where the name of a front is seen, clear of others: at its place or beside it."""
     x0, x1, y0, y1 = window
     taken = [text.xy for text in panel.texts if isinstance(text, Annotation)]
     wanted = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,28 +11,20 @@ import numpy as np
 from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
 from compare.figures.quantities import Array
-from compare.output.bodies import Fields, shown_speed
+from compare.output.field_files import Fields, shown_speed
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 
 Window = tuple[float, float, float, float]
 """Limits of a picture: smallest x, largest x, smallest y, largest y [length]."""
-
 MARGIN = 1.05
 """Default extent of a picture relative to the distance of the first wave."""
 
 
 @dataclass(frozen=True)
 class Moving:
-    """A moving part of the contact, start < x < end [length].
-
-    Attributes
-    ----------
-    kind : str
-        State of the contact: "slip", "reverse slip" or "open".
-    start, end : float
-    """
+    """A moving part of the contact, start < x < end [length]: "slip", "reverse slip" or "open"."""
 
     kind: str
     start: float
@@ -96,10 +88,10 @@ def fronts(fields: Fields, time: float) -> Iterator[Front]:
         return
     scene, speeds = fields.scene, scene_fronts(fields.scene)
     yield from _circles(speeds, time)
+    if isinstance(scene.load, IncidentWave):
+        yield from _incident(scene, scene.load, time)
     if scene.front_slowness:
         yield from _of_moving_load(scene, speeds, time)
-    elif isinstance(scene.load, IncidentWave):
-        yield from _incident(scene, scene.load, time)
     taken_off = scene.superposition.taken_off
     for name, load in (("P", taken_off.pressure), ("S", taken_off.shear)):
         if load and name in speeds and not scene.front_slowness:
@@ -152,25 +144,20 @@ def _of_pair(fields: Any, time: float) -> Iterator[Front]:
             if size:
                 x = np.array([-1e3 * far, -0.8 * far, 0.0]) * time
                 yield Front(f"plane {name}", x, np.full(3, speeds[name] * time), 0.5, (side,))
-        head = _tangent("head wave", -speeds["P"], speeds["S"], time, 0.4)
-        yield replace(head, sides=(side,))
+        yield _tangent("head wave", -speeds["P"], speeds["S"], time, 0.4, side)
         name = "head wave"  # of the first one alone, for the others are close to it
         for wave in ("P", "S"):
             for speed in sorted({own[kind] for own in signals for kind in ("P", "S")})[::-1]:
                 if speed > speeds[wave]:
-                    head = _tangent(name, speed, speeds[wave], time, 0.4)
-                    yield replace(head, sides=(side,))
+                    yield _tangent(name, speed, speeds[wave], time, 0.4, side)
                     name = ""
             for speed in edges:
                 if speed > speeds[wave]:
-                    mach = _tangent("Mach front", speed, speeds[wave], time, 0.0)
-                    yield replace(mach, sides=(side,))
+                    yield _tangent("Mach front", speed, speeds[wave], time, 0.0, side)
 
 
 def _of_moving_load(scene: Scene, speeds: Mapping[str, float], time: float) -> Iterator[Front]:
-    """Yield the plane waves that a moving load sends into both bodies, and an incident wave."""
-    if isinstance(scene.load, IncidentWave):
-        yield from _incident(scene, scene.load, time)
+    """Yield the plane waves that a moving load sends into both bodies."""
     slowness, far = scene.front_slowness, 1e3 * scene.fastest_speed * time
     for name, speed in speeds.items():
         if name in ("P", "S") and abs(slowness) * speed < 1:
@@ -200,8 +187,8 @@ def _incident(scene: Scene, load: IncidentWave, time: float) -> Iterator[Front]:
             yield Front(name, x[part], side * y[part], 0.5, (side,))
 
 
-def _tangent(name: str, speed: float, wave: float, time: float, share: float) -> Front:
+def _tangent(name: str, speed: float, wave: float, time: float, share: float, *sides: int) -> Front:
     """Return the front from a point moving along the interface to the circle of a slower wave."""
     front = StraightFront(1 / wave, 1 / abs(speed), 1 if speed > 0 else -1)
     x, y = front.line(time, np.linspace(0.0, 1.0, 41))
-    return Front(name, x, y, share)
+    return Front(name, x, y, share, sides or (1, -1))

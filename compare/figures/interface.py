@@ -6,7 +6,7 @@ Every function draws a `solution`, the prediction, and returns a Figure.  Where 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -18,33 +18,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
+from compare.figures import style
 from compare.figures.fronts import reach
-from compare.figures.style import (
-    BLACK,
-    GAP_LABEL,
-    ORANGE,
-    PLACE_LABEL,
-    PREDICTION,
-    RATE_LABEL,
-    SIMULATION,
-    SPEED_LABEL,
-    TIME_LABEL,
-    TRACTION_LABEL,
-    VIOLET,
-    LineStyle,
-    describe,
-    ink,
-    line_handle,
-    mark_waves,
-    marker_handle,
-    method_handles,
-    new_figure,
-    outline,
-    scene_words,
-    shade,
-    styled,
-    waves_handle,
-)
 from semianalytic import Solution
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.in_words import kind_of_slip
@@ -57,7 +32,7 @@ Exact = Solution | PairSolution
 POINTS = 1500
 
 
-@styled
+@style.styled
 def slip_rate_figure(
     solution: Exact, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
 ) -> Figure:
@@ -70,22 +45,22 @@ def slip_rate_figure(
     difference = seen - solution.slip_rate(history.x[shown], time) / scale
 
     _shade_zones(upper, solution)
-    upper.plot(dense / unit, solution.slip_rate(dense * time, time) / scale, color=PREDICTION)
-    upper.plot(velocity, seen, ".", color=SIMULATION, markersize=3)
-    lower.plot(velocity, difference, color=SIMULATION, linewidth=1)
-    lower.axhline(0, color=PREDICTION, linewidth=0.8)
+    upper.plot(dense / unit, solution.slip_rate(dense * time, time) / scale, color=style.PREDICTION)
+    upper.plot(velocity, seen, ".", color=style.SIMULATION, markersize=3)
+    lower.plot(velocity, difference, color=style.SIMULATION, linewidth=1)
+    lower.axhline(0, color=style.PREDICTION, linewidth=0.8)
     for panel in (upper, lower):
-        mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
+        style.mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
     if not solution.zones:
         _widen(upper, 0.1)
         _widen(lower, 0.01)
-    upper.set_ylabel(RATE_LABEL)
-    _legend(upper, solution, *method_handles())
-    lower.set(xlabel=SPEED_LABEL, ylabel="difference", xlim=(0, dense[-1] / unit))
+    upper.set_ylabel(style.RATE_LABEL)
+    _legend(upper, solution, *style.method_handles())
+    lower.set(xlabel=style.SPEED_LABEL, ylabel="difference", xlim=(0, dense[-1] / unit))
     return _figure(upper)
 
 
-@styled
+@style.styled
 def tractions_figure(
     solution: Exact, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
@@ -100,23 +75,23 @@ def tractions_figure(
 
     _shade_zones(panel, solution)
     predicted = _draw_predicted_tractions(panel, solution, time)
-    panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
+    panel.plot(velocity, shear, ".", color=style.SIMULATION, markersize=3)
     for sign in (1, -1):
-        panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3)
-    mark_waves(panel, _fronts(solution), unit)
+        panel.plot(velocity, sign * bound, "_", color=style.SIMULATION, markersize=3)
+    style.mark_waves(panel, _fronts(solution), unit)
     handles = (
-        line_handle("shear traction, semi-analytic", PREDICTION),
-        marker_handle("shear traction, finite elements", SIMULATION),
-        line_handle(r"bound $\pm f p$, semi-analytic", PREDICTION, ":"),
-        marker_handle(r"bound $\pm f p$, finite elements", SIMULATION, "_"),
+        style.line_handle("shear traction, semi-analytic", style.PREDICTION),
+        style.marker_handle("shear traction, finite elements", style.SIMULATION),
+        style.line_handle(r"bound $\pm f p$, semi-analytic", style.PREDICTION, ":"),
+        style.marker_handle(r"bound $\pm f p$, finite elements", style.SIMULATION, "_"),
     )
     _legend(panel, solution, *handles)
-    panel.set(xlabel=SPEED_LABEL, ylabel=TRACTION_LABEL, xlim=(0, _right_end(solution)))
+    panel.set(xlabel=style.SPEED_LABEL, ylabel=style.TRACTION_LABEL, xlim=(0, _right_end(solution)))
     panel.set_ylim(_traction_limits(predicted))
     return _figure(panel)
 
 
-@styled
+@style.styled
 def fronts_figure(
     solution: Exact, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
@@ -139,30 +114,39 @@ def fronts_figure(
         norm=Normalize(-top, top) if signed else PowerNorm(0.5, 0, top),
         rasterized=True,
     )
-    _figure(panel).colorbar(image, ax=panel, label=RATE_LABEL + ", finite elements")
-    panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor=ink(0.1))
+    _figure(panel).colorbar(image, ax=panel, label=style.RATE_LABEL + ", finite elements")
+    panel.set(xlabel=style.PLACE_LABEL, ylabel=style.TIME_LABEL, facecolor=style.ink(0.1))
     panel.set(xlim=(0, _right_end(solution)), ylim=(0, 1))
-    waves, edges, around = (BLACK, VIOLET, "white") if signed else ("white", ORANGE, BLACK)
+    waves, edges, around = (
+        (style.BLACK, style.VIOLET, "white") if signed else ("white", style.ORANGE, style.BLACK)
+    )
     speed = scene.material.shear_speed
-    mark_waves(panel, _fronts(solution), speed, "rays", colour=waves, outlined=around)
-    handles = [waves_handle(_fronts(solution), waves)]
-    lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, LineStyle], ...] = (
+    style.mark_waves(panel, _fronts(solution), speed, "rays", colour=waves, outlined=around)
+    handles = [style.waves_handle(_fronts(solution), waves)]
+    lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, style.LineStyle], ...] = (
         (solution.zones, "predicted zone edges", "-"),
         (solution.openings, "predicted ends of the opening", ":"),
     )
     for parts, words, line in lines:
-        for edge in _finite_edges(parts):
-            ends = [0, edge / speed], [0, 1]
-            panel.plot(*ends, line, color=edges, linewidth=1.1, path_effects=outline(around))
+        ends = (edge for part in parts for edge in (part.inner, part.outer))
+        for edge in (one for one in ends if 0 < one < np.inf):
+            panel.plot(
+                [0, edge / speed],
+                [0, 1],
+                line,
+                color=edges,
+                linewidth=1.1,
+                path_effects=style.outline(around),
+            )
         if parts:
-            handles.append(line_handle(words, edges, line))
+            handles.append(style.line_handle(words, edges, line))
     for handle in handles:
-        handle.set_path_effects(outline(around))
+        handle.set_path_effects(style.outline(around))
     panel.legend(handles=handles, loc="lower right")
     return _figure(panel)
 
 
-@styled
+@style.styled
 def prediction_figure(solution: Exact, *, axes: tuple[Axes, ...] | None = None) -> Figure:
     """Draw the semi-analytic answer alone: slip rate above, tractions and friction bound below.
 
@@ -174,32 +158,34 @@ def prediction_figure(solution: Exact, *, axes: tuple[Axes, ...] | None = None) 
     unit, dense = scene.material.shear_speed, _speeds(solution)
     for panel in panels:
         _shade_zones(panel, solution)
-        mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
+        style.mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
     rate = solution.slip_rate(dense, 1.0) / slip_rate_scale(scene)
-    upper.plot(dense / unit, rate, color=PREDICTION)
-    upper.set_ylabel(RATE_LABEL)
+    upper.plot(dense / unit, rate, color=style.PREDICTION)
+    upper.set_ylabel(style.RATE_LABEL)
     _legend(upper, solution)
     shear = _draw_predicted_tractions(lower, solution, 1.0)
-    bound = line_handle(r"bound $\pm f p$", PREDICTION, ":")
-    handles = [line_handle("shear traction", PREDICTION), bound]
+    bound = style.line_handle(r"bound $\pm f p$", style.PREDICTION, ":")
+    handles = [style.line_handle("shear traction", style.PREDICTION), bound]
     lower.legend(handles=handles, loc="best")
-    lower.set(ylabel=TRACTION_LABEL, xlim=(0, _right_end(solution)))
+    lower.set(ylabel=style.TRACTION_LABEL, xlim=(0, _right_end(solution)))
     lower.set_ylim(_traction_limits(shear))
     for panel in panels[2:]:
         gap = solution.gap(dense, 1.0) / slip_rate_scale(scene)
-        panel.plot(dense / unit, gap, color=PREDICTION)
-        panel.set_ylabel(GAP_LABEL)
-    panels[-1].set_xlabel(SPEED_LABEL)
+        panel.plot(dense / unit, gap, color=style.PREDICTION)
+        panel.set_ylabel(style.GAP_LABEL)
+    panels[-1].set_xlabel(style.SPEED_LABEL)
     return _figure(upper)
 
 
 def _new_axes(solution: Exact) -> Axes:
-    return describe(new_figure(7, 4.7), scene_words(solution.scene)).subplots()
+    return style.describe(style.new_figure(7, 4.7), style.scene_words(solution.scene)).subplots()
 
 
 def _new_panels(solution: Exact, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
     """Return panels above each other, with these ratios of heights."""
-    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), scene_words(solution.scene))
+    figure = style.describe(
+        style.new_figure(7, 1.9 + 1.9 * len(ratios)), style.scene_words(solution.scene)
+    )
     return tuple(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
 
 
@@ -228,11 +214,6 @@ def _speeds(solution: Exact) -> Array:
     return np.linspace(limit / POINTS, limit, POINTS)
 
 
-def _finite_edges(zones: Iterable[SlipZone | OpenZone]) -> Iterator[float]:
-    for zone in zones:
-        yield from (edge for edge in (zone.inner, zone.outer) if 0 < edge < np.inf)
-
-
 def _parts(solution: Exact) -> list[SlipZone | OpenZone]:
     """Return the slip zones and openings."""
     return [*solution.zones, *solution.openings]
@@ -251,22 +232,19 @@ def _shade_zones(panel: Axes, solution: Exact) -> None:
     ends = [0.0, *(min(e, limit) for zone in zones for e in (zone.inner, zone.outer)), limit]
     for number, (start, stop) in enumerate(pairwise(ends)):
         kind = _zone_kind(zones[number // 2]) if number % 2 else "stick"
-        panel.axvspan(start / unit, stop / unit, color=shade(kind), linewidth=0, zorder=0)
+        panel.axvspan(start / unit, stop / unit, color=style.shade(kind), linewidth=0, zorder=0)
 
 
 def _draw_predicted_tractions(panel: Axes, solution: Exact, time: float) -> Array:
-    """Draw predicted shear traction and friction bound.
-
-    Return the shear traction / τ₀ at all ξ, or the bound if there is no shear traction.
-    """
+    """Draw predicted shear traction and bound; return the first over τ₀, or the bound if 0."""
     scene, scale = solution.scene, stress_scale(solution.scene)
     dense = _speeds(solution)
     shear = solution.shear_traction(dense * time, time) / scale
     bound = scene.strength(solution.pressure(dense * time, time)) / scale
     position = dense / scene.material.shear_speed
-    panel.plot(position, shear, color=PREDICTION)
+    panel.plot(position, shear, color=style.PREDICTION)
     for sign in (1, -1):
-        panel.plot(position, sign * bound, ":", color=PREDICTION)
+        panel.plot(position, sign * bound, ":", color=style.PREDICTION)
     return shear if shear.any() else np.stack([-bound, bound])
 
 
@@ -287,5 +265,5 @@ def _widen(panel: Axes, least: float) -> None:
 def _legend(panel: Axes, solution: Exact, *handles: Artist) -> None:
     """Add a legend of these entries and of the shades of the zones."""
     kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in _parts(solution))])
-    shades = [Patch(color=shade(kind), label=kind) for kind in kinds]
+    shades = [Patch(color=style.shade(kind), label=kind) for kind in kinds]
     panel.legend(handles=[*handles, *shades], loc="best")

@@ -6,43 +6,42 @@ import difflib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from compare.figures.histories import march_figure
+from compare.figures import style
 from compare.figures.interface import prediction_figure
-from semianalytic import Marched, Solution
+from semianalytic import Scene, Solution
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.plugins import FIGURES, Plugin, find_plugin, plugin_names
+from semianalytic.scene.plugins import FIGURES, find_plugin, plugin_names
 
 Draw = Callable[[Any], Figure]
 
 DEFAULT_FIGURE = "interface"
 
 
-def _interface(answer: Any) -> Figure:
-    """Draw slip rate and tractions of an answer."""
+@style.styled
+def answer_figure(answer: Any) -> Figure:
+    """Draw slip rate and tractions in one solid, or what `plot` draws of any other answer."""
     if isinstance(answer, Solution):
         return prediction_figure(answer)
-    if isinstance(answer, Marched):
-        return march_figure(answer)
-    return np.ravel(answer.plot())[0].figure
+    figure = style.new_figure(7, 4.7)
+    mapped = getattr(answer, "interface", None) is not None
+    panels = figure.subplots(1 if mapped else 2, sharex=True)
+    answer.plot(ax=panels)
+    for line in panels.lines if mapped else ():
+        line.set_path_effects(style.outline())
+    return style.describe(figure, answer.scene) if isinstance(answer.scene, Scene) else figure
 
 
-OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}
+OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: answer_figure}
 
 
 def find_figure(name: str) -> Draw:
-    """Return the function of a name that draws an answer.
+    """Return the function of a name that draws an answer; SceneError if there is none.
 
-    Raises
-    ------
-    SceneError
-        If there is no figure of this name.
-    PluginError
-        If the package that provides it is broken or not the only one; the returned function
-        raises it too, if the package draws no figure.
+    Where a package that provides it is broken, or draws no figure, a PluginError is raised, also by
+    the function.
     """
     if name in OWN_FIGURES:
         return OWN_FIGURES[name]
@@ -55,10 +54,7 @@ def find_figure(name: str) -> Draw:
     draw = plugin.load()
     if not callable(draw):
         raise plugin.error(f"must be a function of an answer, not {shown(draw)}")
-    return _drawn_by(plugin, draw)
 
-
-def _drawn_by(plugin: Plugin, draw: Callable[[Any], object]) -> Draw:
     def drawn(answer: Any) -> Figure:
         figure = plugin.guarded("cannot be drawn", lambda: draw(answer))
         if not isinstance(figure, Figure):

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
-from compare.output.bodies import Fields
-from compare.output.field_files import in_parts
+from compare.output.field_files import Fields, in_parts
 from semianalytic import Scene, SceneError, fringes
 from semianalytic.field.derived import principal_difference
 from semianalytic.scene.checks import shown
@@ -96,22 +95,12 @@ ALONG_Z: Mapping[str, Quantity] = {
 
 
 def find_quantity(name: str, scene: Scene, fringe_stress: float | None = None) -> Quantity:
-    """Return a quantity by its name.
+    """Return a quantity by its name; SceneError if the scene has none of that name.
 
-    Parameters
-    ----------
-    name : str
-        A key of `QUANTITIES`, or in antiplane shear of `ALONG_Z`.  In antiplane shear, "max-shear"
-        is the largest shear stress on planes along z.
-    scene : Scene
-    fringe_stress : float, optional
-        Difference of principal stresses between fringes, i.e. fringe constant over thickness
-        [stress]; by default the reference stress makes `FRINGES` fringes.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no quantity of that name.
+    It is a key of `QUANTITIES`, or in antiplane shear of `ALONG_Z`, where "max-shear" is the
+    largest shear stress on planes along z.  The fringe stress is the difference of principal
+    stresses between fringes, i.e. fringe constant over thickness [stress]; by default the reference
+    stress makes `FRINGES` fringes.
     """
     known = {**QUANTITIES, **(ALONG_Z if scene.antiplane else {})}
     if name not in known:

@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.comparison.scales import scene_fronts
-from compare.figures.style import SMALL, SYMBOLS, cycle, describe, ink, new_figure, styled
+from compare.figures.style import cycle, describe, mark_waves, new_figure, styled
 from compare.output.field_files import FieldRecord
 from semianalytic import Scene
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    pass
 
 _AXES = ("xx", "yy", "xy", "xz", "yz")
 
@@ -24,6 +24,10 @@ def record_figure(record: FieldRecord, scene: Scene) -> Figure:
     """Draw velocity, displacement, stress and strain over time, with the arrivals of waves."""
     figure = describe(new_figure(7.5, 8.5), scene)
     panels = figure.subplots(4, 1, sharex=True)
+    # of P and S waves from the edge of the slot, if they are in the record
+    distance = float(np.hypot(record.x, record.y))
+    times = {name: distance / speed for name, speed in scene_fronts(scene).items()}
+    arrivals = {name: t for name, t in times.items() if name != "Rayleigh" and 0 < t < record.t[-1]}
     for panel, symbol, rows, dimension, axes, words in (
         (panels[0], "v", record.velocity, "length / time", "xyz", "velocity"),
         (panels[1], "u", record.displacement, "length", "xyz", "displacement"),
@@ -35,29 +39,8 @@ def record_figure(record: FieldRecord, scene: Scene) -> Figure:
             panel.plot(record.t, shown, color=colour, label=f"${symbol}_{{{axis}}}$", linewidth=1.2)
         panel.set_ylabel(f"{words} [{unit(dimension, scene.units)}]")
         panel.legend(loc="upper left")
-        _mark_arrivals(panel, record, scene, labels=panel is panels[0])
+        mark_waves(panel, arrivals, 1.0, labels=panel is panels[0])
     length = unit("length", scene.units)
     panels[0].set_title(f"x = {record.x:.4g}, y = {record.y:.4g} [{length}]", pad=16)
     panels[-1].set(xlabel=f"t [{unit('time', scene.units)}]", xlim=(0, record.t[-1]))
     return figure
-
-
-def _mark_arrivals(panel: Axes, record: FieldRecord, scene: Scene, *, labels: bool) -> None:
-    """Mark the arrivals of P and S waves from the edge of the slot, if they are in the record."""
-    distance = float(np.hypot(record.x, record.y))
-    for name, speed in scene_fronts(scene).items():
-        time = distance / speed
-        if name == "Rayleigh" or not 0 < time < record.t[-1]:
-            continue
-        panel.axvline(time, color=ink(0.65), linestyle="--", linewidth=0.8, zorder=1)
-        if labels:
-            panel.annotate(
-                f"{name}, {SYMBOLS[name]}",
-                (time, 1.0),
-                (0, 2),
-                xycoords=panel.get_xaxis_transform(),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-                fontsize=SMALL,
-            )

@@ -17,13 +17,7 @@ NO_DATE = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def figure_format(path: str | Path) -> str:
-    """Return the format that the name of a figure file asks for.
-
-    Raises
-    ------
-    SceneError
-        If matplotlib cannot write such a format.
-    """
+    """Return the format that the name of a figure file asks for; SceneError if it is none."""
     path = Path(path)
     form = path.suffix.removeprefix(".").lower()
     if form not in FigureCanvasBase.get_supported_filetypes():
@@ -34,15 +28,7 @@ def figure_format(path: str | Path) -> str:
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of its file name, completely or not at all.
-
-    Raises
-    ------
-    SceneError
-        If matplotlib cannot write such a format.
-    DataFileError
-        If the file cannot be written.
-    """
+    """Write a figure in the format of its file name, completely or not at all."""
     drawn, form = BytesIO(), figure_format(path)
     with look():
         figure.savefig(drawn, format=form, metadata=NO_DATE.get(form))

@@ -36,15 +36,7 @@ COVERED = 0.995
 
 @styled
 def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
-    """Draw the particle speed in both bodies in the last frame: exact, simulated, difference.
-
-    Parameters
-    ----------
-    errors : FieldErrors
-        Errors of the frames.
-    simulation : Simulation
-        Simulation that the frames belong to.
-    """
+    """Draw the particle speed in both bodies in the last frame: exact, simulated, difference."""
     scene = simulation.scene
     length = scene.material.shear_speed * simulation.end_time
     pairs = [pair for name, pair in errors.last.items() if name.startswith("v_")]

@@ -35,10 +35,8 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 """Colours of the palette of Okabe and Ito, which colour-blind readers can distinguish."""
 BROWN, VIOLET = "#7A3B0A", "#7A2FE0"
 """Colours of lines instead of orange and sky blue, which are too light on white."""
-
 PREDICTION, SIMULATION, MARCH, PUBLISHED = "C0", "C1", "C2", "C3"
 """Colours of curves: self-similar answer, finite elements, march, published algorithm."""
-
 STICK_SHADE, SLIP_SHADE = "#efefef", "#cfe5f3"
 """Colours of maps."""
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
@@ -194,7 +192,7 @@ def _unit_name(scene: Scene) -> str:
 
 
 def describe(figure: Figure, what: Scene | str, height: float | None = None) -> Figure:
-    """Add a title to a figure, `scene_words` or a description of many scenes, and return it.
+    """Add a title to a figure, `scene_words` or other words, and return it.
 
     Its lower end is at a `height`, from 0 to 1, or where the layout of the figure puts it.
     """

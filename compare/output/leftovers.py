@@ -23,18 +23,9 @@ FIGURES = tuple(
 
 
 def forget_other_runs(directory: Path, run: str) -> None:
-    """Remove snapshots, report and figures of other simulations than the one in the folder.
+    """Remove snapshots, report and figures of other simulations than the run in the folder.
 
-    Parameters
-    ----------
-    directory : Path
-    run : str
-        Identity of the simulation that is in the folder now.
-
-    Raises
-    ------
-    DataFileError
-        If snapshots cannot be removed.
+    DataFileError if snapshots cannot be removed.
     """
     from fem.snapshots import forget_other_frames
 
@@ -52,15 +43,9 @@ def forget_other_runs(directory: Path, run: str) -> None:
 
 
 def forget_figures(directory: Path, kept: Container[str] = ()) -> None:
-    """Remove figures and table of an earlier comparison that the current one does not replace.
+    """Remove figures and table of an earlier comparison, but for those kept.
 
     A folder without a report contains no comparison, and stays as it is.
-
-    Parameters
-    ----------
-    directory : Path
-    kept : container of str
-        Names of files that stay.
     """
     if not (directory / REPORT).is_file():
         return

@@ -1,4 +1,4 @@
-"""Checks of output paths before anything is computed, and locks against simultaneous runs."""
+"""Output paths: checks before anything is computed, whole files, locks against other runs."""
 
 from __future__ import annotations
 
@@ -9,21 +9,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from semianalytic.results.files import discard, make_folder, remove_empty, try_lock
+from semianalytic.results.files import discard, make_folder, remove_empty, try_lock, write_bytes
 from semianalytic.scene.errors import DataFileError, SceneError
 
 LOCK = ".slipfront.lock"
 
 
 def check_file(path: Path) -> None:
-    """Check that a file can be written; the check leaves nothing behind.
+    """Check that a file can be written, and leave nothing behind.
 
     Raises
     ------
-    SceneError
-        If the path exists and is no file.
-    DataFileError
-        If it cannot be written.
+    SceneError, DataFileError
+        If the path exists and is no file, or it cannot be written.
     """
     try:
         if path.exists() and not path.is_file():
@@ -32,6 +30,11 @@ def check_file(path: Path) -> None:
         _probe(path.parent)
     except OSError as error:
         raise _refused(path, error) from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file as UTF-8, completely or not at all; raises as `write_bytes`."""
+    write_bytes(path, text.encode("utf-8"))
 
 
 @contextmanager
@@ -113,21 +116,9 @@ def _is_still_there(lock: int, directory: Path) -> bool:
 
 
 def save_somewhere(save: Callable[[Path], object], place: Path, name: str = "") -> None:
-    """Save a result; if its place cannot be written, save it in a temporary folder.
+    """Save a result by a function of a path; if it cannot, save it in a temporary folder.
 
-    Parameters
-    ----------
-    save : callable
-        Function that writes the result to a given path.
-    place : Path
-        Path of the file or folder.
-    name : str
-        Name of the file within the temporary folder.
-
-    Raises
-    ------
-    DataFileError
-        If the place could not be written; the message says where the result is instead.
+    There it has the name given, and a DataFileError says where it is.
     """
     try:
         save(place)

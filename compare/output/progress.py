@@ -5,24 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from rich import progress
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TaskProgressColumn,
-    TextColumn,
-    TimeRemainingColumn,
-)
 from rich.text import Text
 
 
-class StepRateColumn(ProgressColumn):
+class StepRateColumn(progress.ProgressColumn):
     """Current rate in steps per second, once two steps are known."""
 
-    def render(self, task: Task) -> Text:
+    def render(self, task: progress.Task) -> Text:
         """Return the rate with three digits."""
         rate = task.finished_speed or task.speed
         return Text("" if rate is None else f"{rate:.3g} steps/s")
@@ -34,20 +25,16 @@ def progress_bar(
 ) -> Iterator[Callable[[int, int], None]]:
     """Show a progress bar with percentage, step rate and remaining time.
 
-    Nothing is shown if `quiet` is true or the output is no terminal.
-
-    Yields
-    ------
-    callable
-        Function to call with the number of finished steps and of all steps.
+    It yields a function of the number of finished steps and of all steps.  Nothing is shown if
+    `quiet` is true or the output is no terminal.
     """
-    with Progress(
-        TextColumn(doing),
-        BarColumn(),
-        TaskProgressColumn(),
-        MofNCompleteColumn(),
+    with progress.Progress(
+        progress.TextColumn(doing),
+        progress.BarColumn(),
+        progress.TaskProgressColumn(),
+        progress.MofNCompleteColumn(),
         StepRateColumn(),
-        TimeRemainingColumn(),
+        progress.TimeRemainingColumn(),
         console=console,
         disable=quiet or not console.is_terminal,
         transient=True,

@@ -9,7 +9,7 @@ from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from compare.output.files import write_text
+from compare.output.places import write_text
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import DataFileError
 
@@ -23,44 +23,24 @@ PARSERS: dict[str, Parser] = {"int": int, "float": float, "str": str, "bool": "T
 def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: str = "") -> None:
     """Write dataclass instances as CSV, completely or not at all; without rows, write no file.
 
-    Parameters
-    ----------
-    path : Path
-    rows : sequence of dataclass instances
-    checked : bool
-        Whether a last column contains the checksum of each row, for tables that are read back.
-    command : str
-        Command that makes the file, written as a comment in its first line.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
+    A last column holds the checksum of each row if they are `checked`, for tables that are read
+    back; the command that makes the file is a comment in its first line.
     """
     if not rows:
         return
-    heading = _names(type(rows[0])) + ([_checksum_heading(len(rows))] if checked else [])
-    cells = (_checked_cells(row) if checked else astuple(row) for row in rows)
-    write_text(path, (f"# {command}\n" if command else "") + _csv_text([heading, *cells]))
+    stream = io.StringIO(f"# {command}\n" if command else "", newline="")
+    stream.seek(0, io.SEEK_END)
+    table = csv.writer(stream, lineterminator="\n")
+    table.writerow(_headings(type(rows[0]), len(rows) if checked else None))
+    table.writerows(_checked_cells(row) if checked else astuple(row) for row in rows)
+    write_text(path, stream.getvalue())
 
 
 def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]:
     """Read the rows of a table written with checksums; return none if there is no file.
 
-    Parameters
-    ----------
-    path : Path
-    kind : dataclass
-        Type of the rows.
-    what : str
-        Description of the table for error messages, such as "a chart".
-    command : str
-        Command that the first line of the file must name.
-
-    Raises
-    ------
-    DataFileError
-        If the file is damaged or contains another table.
+    The first line must name the command.  A file that is damaged or another table is refused by a
+    DataFileError, as what it should be, such as "a chart".
     """
     if not path.exists():
         return []
@@ -69,12 +49,16 @@ def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]
             if stream.readline().strip() != f"# {command}":
                 raise ValueError("another first line")
             heading, *rows = csv.reader(stream, strict=True)
-        if heading != [*_names(kind), _checksum_heading(len(rows))]:
+        if heading != _headings(kind, len(rows)):
             raise ValueError("unknown columns or lost rows")
-        damaged = [number for number, cells in enumerate(rows, start=3) if not _sound(cells)]
-        if damaged:
-            raise ValueError(f"row {damaged[0]} does not fit its checksum")
-        return [_parsed(kind, cells) for cells in rows]
+        for number, cells in enumerate(rows, start=3):
+            if len(cells) < 2 or row_checksum(cells[:-1]) != cells[-1]:
+                raise ValueError(f"row {number} does not fit its checksum")
+        parsers = [PARSERS[str(field.type)] for field in fields(kind)]  # type: ignore[arg-type]
+        return [
+            kind(*(parse(cell) for parse, cell in zip(parsers, cells[:-1], strict=True)))
+            for cells in rows
+        ]
     except (OSError, ValueError, csv.Error) as error:
         raise DataFileError(
             f"{path} cannot be read as {what} ({error}); move it away to measure again."
@@ -87,34 +71,13 @@ def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
-def _names(kind: Any) -> list[str]:
-    return [field.name for field in fields(kind)]
-
-
-def _checksum_heading(rows: int) -> str:
-    return f"checksum of {rows} rows"
+def _headings(kind: Any, checked: int | None) -> list[str]:
+    """Return the names of fields, and of the checksums if so many rows have any."""
+    sums = [] if checked is None else [f"checksum of {checked} rows"]
+    return [field.name for field in fields(kind)] + sums
 
 
 def _checked_cells(row: Any) -> list[str]:
     """Return the cells of a dataclass instance as CSV holds them, followed by their checksum."""
     cells = [str(value) for value in astuple(row)]
     return [*cells, row_checksum(cells)]
-
-
-def _sound(cells: Sequence[str]) -> bool:
-    """Return whether cells that were read back end in their checksum."""
-    return len(cells) > 1 and row_checksum(list(cells[:-1])) == cells[-1]
-
-
-def _parsed(kind: type[Row], cells: Sequence[str]) -> Row:
-    """Return the row that cells with a checksum stand for."""
-    kinds = fields(kind)  # type: ignore[arg-type]
-    return kind(
-        *(PARSERS[str(field.type)](cell) for field, cell in zip(kinds, cells[:-1], strict=True))
-    )
-
-
-def _csv_text(rows: Iterable[Sequence[Any]]) -> str:
-    stream = io.StringIO(newline="")
-    csv.writer(stream, lineterminator="\n").writerows(rows)
-    return stream.getvalue()

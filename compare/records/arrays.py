@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from compare.records.names import known_columns, no_columns
-from compare.records.options import ReadingOptions
-from compare.records.record import QUANTITIES, Array, Records
+from compare.records.record import QUANTITIES, Array, ReadingOptions, Records
 from compare.records.stations import joined_faces, stations_of_grid, stations_of_rows
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
@@ -28,12 +27,8 @@ ANEW = "write it anew"
 def read_npz(path: Path, options: ReadingOptions) -> Records:
     """Records of an NPZ file of arrays t (m,), x (n,) and quantities (m, n), or all of rows (n,).
 
-    An NPY file of rows with named fields is taken as well.
-
-    Raises
-    ------
-    DataFileError
-        If it is damaged or too large, or the arrays do not fit.
+    An NPY file of rows with named fields is taken as well; a DataFileError refuses what does not
+    fit.
     """
     check_file_size(path)
     if not zipfile.is_zipfile(path):
@@ -108,11 +103,6 @@ def _fields(path: Path) -> dict[str, np.ndarray]:
 def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     """Records of an HDF5 file: a history, a march or a simulation of this package, or datasets t, x
     and quantities as in an NPZ file.
-
-    Raises
-    ------
-    DataFileError
-        If it is damaged, or holds nothing of that kind.
     """
     import h5py
 
@@ -122,13 +112,18 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
         fields = file["interface"] if kind.startswith("run along a line") else file
         sets = {name: one for name, one in fields.items() if isinstance(one, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
-        check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))
+        shapes = [sets[name].shape for name in wanted]
+        if not wanted:  # then of all datasets, in groups as well
+            file.visititems(lambda _, one: shapes.append(getattr(one, "shape", None)))
+        check_numbers(path, sum(math.prod(shape or (0,)) for shape in shapes))
         arrays = {
             name: np.asarray(one) if name in wanted else _not_read(one.shape or ())
             for name, one in sets.items()
         }
+        named = {name: one.attrs["units"] for name, one in sets.items() if "units" in one.attrs}
         units = {
-            name: _text(one.attrs["units"]) for name, one in sets.items() if "units" in one.attrs
+            name: one.decode("utf-8", "replace") if isinstance(one, bytes) else str(one)
+            for name, one in named.items()
         }
     if kind == HISTORY:
         return of_history(path, InterfaceHistory.load(path))
@@ -139,22 +134,6 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     if kind.startswith("slipfront simulation"):
         return read_simulation(path.parent)
     return records_of_arrays(path, arrays, options, units)
-
-
-def _size(dataset: Any) -> int:
-    return math.prod(dataset.shape or ())
-
-
-def _all_sizes(file: Any) -> int:
-    """Numbers of all datasets of a file, in groups as well."""
-    sizes: list[int] = []
-    file.visititems(lambda _, one: sizes.append(_size(one)) if hasattr(one, "shape") else None)
-    return sum(sizes)
-
-
-def _text(attribute: object) -> str:
-    """An attribute of HDF5 as text."""
-    return attribute.decode("utf-8", "replace") if isinstance(attribute, bytes) else str(attribute)
 
 
 def read_simulation(folder: Path) -> Records:
@@ -179,13 +158,7 @@ def records_of_arrays(
     options: ReadingOptions,
     units: Mapping[str, str] | None = None,
 ) -> Records:
-    """Records of arrays by name, some of which may have units.
-
-    Raises
-    ------
-    DataFileError
-        If there are no times, positions or quantities, or they do not fit each other.
-    """
+    """Records of arrays by name, some of which may have units; DataFileError if they do not fit."""
     known = known_columns(path, list(arrays), options.columns, units=units)
     named = list(arrays.items())
     columns: dict[str, Array] = {}

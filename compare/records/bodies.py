@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from compare.records.names import Columns, known_columns, named_unit
-from compare.records.options import ReadingOptions
-from compare.records.record import Array, Records, Stated, Unit
+from compare.records.record import Array, ReadingOptions, Records, Stated, Unit
 from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of, parsing
@@ -21,25 +20,16 @@ VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u di
 """Names of vectors at nodes, in lower case."""
 ON_INTERFACE = 1e-9
 """Distance from y = 0, over the size of the mesh, within which a node is on the interface."""
-
 _EMPTY = re.compile(rb"<!DOCTYPE[^\[<>]*(\[\s*\])?\s*>")
 """A document type that defines nothing, as most codes write it; that of a name is not fetched."""
 HEAD = 2**16
 """Bytes of a file of XML in which a document type would stand."""
-
 Frame = tuple[float, Any]
 """Time, and a mesh with fields."""
 
 
 def read_bodies(path: Path, options: ReadingOptions) -> Records:
-    """Records of frames: one PVD or XDMF file.
-
-    Raises
-    ------
-    DataFileError
-        If a file cannot be read, is of no time, or has neither motion of faces at y = 0 nor
-        quantities of the interface.
-    """
+    """Records of frames: one PVD or XDMF file, with motion of faces at y = 0 or fields there."""
     frames = sorted(_frames(path), key=lambda frame: frame[0])
     if len(frames) < 2:
         raise DataFileError(f"{path} has {len(frames)} frames; a record takes two at least.")
@@ -71,7 +61,14 @@ def _frames(path: Path) -> Iterator[Frame]:
         for time, piece in _pieces(path):
             yield time, _mesh(piece)
     elif suffix in (".xdmf", ".xmf"):
-        yield from _xdmf_frames(path)
+        import meshio
+
+        _check_entities(path, content_of(path))
+        with meshio.xdmf.TimeSeriesReader(path) as reader:
+            points, cells = reader.read_points_cells()
+            for step in range(reader.num_steps):
+                time, point_data, _ = reader.read_data(step)
+                yield float(time), meshio.Mesh(points, cells, point_data=point_data)
     else:
         raise DataFileError(
             f"{path} is one frame and does not say its time; give the .pvd or .xdmf file of all."
@@ -108,17 +105,6 @@ def _mesh(path: Path) -> Any:
         _check_entities(path, stream.read(HEAD))
     with parsing(path):
         return meshio.read(path)
-
-
-def _xdmf_frames(path: Path) -> Iterator[Frame]:
-    import meshio
-
-    _check_entities(path, content_of(path))
-    with meshio.xdmf.TimeSeriesReader(path) as reader:
-        points, cells = reader.read_points_cells()
-        for step in range(reader.num_steps):
-            time, point_data, _ = reader.read_data(step)
-            yield float(time), meshio.Mesh(points, cells, point_data=point_data)
 
 
 def _interface(
@@ -184,10 +170,7 @@ def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:
 
 
 def _faces(path: Path, mesh: Any, points: Array, on: Array) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes of the upper and of the lower face, by position; one of them may be empty.
-
-    They belong to cells above and below.
-    """
+    """Nodes of the upper and of the lower face, by position; one of them may be empty."""
     above, below = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
     for block in mesh.cells:
         if block.dim < 2:

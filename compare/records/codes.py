@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from compare.records.names import Columns
-from compare.records.options import ReadingOptions
-from compare.records.record import AFTER, Array, Records
+from compare.records.record import AFTER, Array, ReadingOptions, Records
 from compare.records.stations import joined_faces, stations_of_grid
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import check_file_size

@@ -48,7 +48,6 @@ the tractions themselves, which are taken where a file has both."""
 
 LONGEST = 200
 """Number of characters of a header that are examined."""
-
 _KINDS = {name: kind for kind, names in ALIASES.items() for name in names.split()}
 _OF_FACES = {face: kind for kind, faces in FACES.items() for face in faces}
 _COMPRESSION = {"pressure", "normal_pressure", "contact_pressure", "p"}
@@ -113,14 +112,13 @@ def known_columns(
 
     Parameters
     ----------
-    path : Path
+    path, line
         For messages, with the line of the names, 0 where there is none.
     names : sequence of str
         Of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm".
-    told : mapping
-        Names of columns by what they hold, for those that are told.
-    units : mapping, optional
-        Units by name of column where a file has them apart from names.
+    told, units : mapping
+        Names of columns by what they hold, for those that are told, and units by name of column
+        where a file has them apart.
     bodies : bool
         Whether y, quantities inside the bodies and noise are known, besides those of `ALIASES`.
 
@@ -161,7 +159,8 @@ def known_columns(
         if times and name in names and total not in names and kind not in told
     }
     for place, (pure, _) in enumerate(split):
-        kind = _seissol(names, place, changes) or kinds.get(pure, "")
+        seissol, _ = SEISSOL.get(names[place], ("", ""))
+        kind = seissol if seissol in changes else kinds.get(pure, "")
         if not kind or kind in told or place in places.values():
             continue
         if kind in places:
@@ -186,12 +185,6 @@ def known_columns(
     }
     unread = tuple(name for place, name in enumerate(names) if place not in places.values())
     return Columns(places, named, frozenset(changes), tuple(notes), unread)
-
-
-def _seissol(names: Sequence[str], place: int, changes: set[str]) -> str:
-    """The quantity that a column of SeisSol stands for; "" for any other column."""
-    kind = SEISSOL.get(names[place], ("", ""))[0]
-    return kind if kind in changes else ""
 
 
 def unit_of(path: Path, line: int, where: str, text: str, kind: str) -> Unit | None:

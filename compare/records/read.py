@@ -9,8 +9,7 @@ from pathlib import Path
 from compare.records.arrays import read_hdf5, read_npz, read_simulation
 from compare.records.bodies import read_bodies
 from compare.records.codes import FAULT, read_sem2dpack, read_uguca
-from compare.records.options import ReadingOptions
-from compare.records.record import Records
+from compare.records.record import ReadingOptions, Records
 from compare.records.tables import joined, read_text
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, beginning_of, parsing

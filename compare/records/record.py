@@ -1,9 +1,10 @@
-"""Records at stations of an interface, whoever made them."""
+"""Records at stations of an interface, whoever made them, and what the user says of their files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ Array = NDArray[np.float64]
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is
 positive in compression."""
-
 BEFORE, AFTER = "before", "after"
 """A slip rate may be the mean over the step before or after its time."""
 
@@ -45,6 +45,11 @@ class Record:
     y: float | None = None
     noise: Mapping[str, Array] = field(default_factory=dict)
     name: str = ""
+
+    def taken(self, samples: slice | NDArray[np.bool_]) -> Record:
+        """Return position, times and values of some samples."""
+        values = {name: value[samples] for name, value in self.values.items()}
+        return Record(self.x, self.t[samples], values)
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,10 @@ class Stated:
     mean: str = ""
     step: float | None = None
 
+    def size(self, name: str) -> float:
+        """Return the factor to SI units of a column; 1 where it names no unit."""
+        return self.units[name].size if name in self.units else 1.0
+
 
 @dataclass(frozen=True, eq=False)
 class Records:
@@ -121,3 +130,35 @@ class Records:
     stated: Stated = field(default_factory=Stated)
     points: tuple[Record, ...] = ()
     unread: tuple[str, ...] = ()
+
+
+class Placed(NamedTuple):
+    """What a column of a table with a column for each gauge records, and where [unit of scene]."""
+
+    quantity: str
+    x: float
+    y: float | None = None
+
+
+@dataclass(frozen=True)
+class ReadingOptions:
+    """Information that the user gives about files of other codes.
+
+    Attributes
+    ----------
+    at : tuple of float
+        Positions of files that hold one station each, in their order [unit of the file].
+    origin : float
+        Where the edge of the contact lies in the coordinates of the file.
+    columns : mapping
+        Name of a column, array or field by what it holds: "t", "x", one of `QUANTITIES`,
+        or "velocity_upper", "velocity_lower", "displacement_upper", "displacement_lower"; for
+        meshes "velocity" and "displacement".
+    gauges : mapping
+        What each column of a table with a column for each gauge records, by its name.
+    """
+
+    at: tuple[float, ...] = ()
+    origin: float = 0.0
+    columns: Mapping[str, str] = field(default_factory=dict)
+    gauges: Mapping[str, Placed] = field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,7 @@ def joined_faces(
     """Quantities of the interface from columns of it or of its faces.
 
     One face alone stands for the relative quantity, which is for `validate` and `fit` to double.
-
-    Returns
-    -------
-    dict, Stated, list of str
-        Quantities by name, what the columns say of them, and what was made of columns of faces.
+    With them come what the columns say of them, and what was made of columns of faces.
     """
     result = {name: columns[name] for name in QUANTITIES if name in columns}
     units = {name: unit for name, unit in known.units.items() if name in (*result, "t", "x")}
@@ -49,13 +45,7 @@ def joined_faces(
 def station(
     path: Path, x: float, t: Array, values: Mapping[str, Array]
 ) -> tuple[Record, list[str]]:
-    """A record of times that increase, and what was mended.
-
-    Raises
-    ------
-    DataFileError
-        If there are no times, or no values.
-    """
+    """A record of times that increase, and what was mended; DataFileError if it is empty."""
     notes = []
     timed = np.isfinite(t)
     if not timed.all():
@@ -89,45 +79,43 @@ def station(
     return Record(float(x), t[order], kept, noise=known), notes
 
 
-def _check_count(path: Path, count: int) -> None:
+Stations = tuple[tuple[Record, ...], list[str]]
+"""Records by position, and what was mended in them."""
+
+
+def _stations(
+    path: Path, count: int, parts: Iterable[tuple[float, Array, Mapping[str, Array]]]
+) -> Stations:
+    """Records of positions, times and values."""
     if count > LARGEST_STATIONS:
         raise DataFileError(
             f"{path} has {count} stations, and at most {LARGEST_STATIONS} are read; leave some out."
         )
+    found = [station(path, *part) for part in parts]
+    notes = dict.fromkeys(note for _, mended in found for note in mended)
+    return tuple(one for one, _ in found), list(notes)
 
 
-def stations_of_rows(
-    path: Path, x: Array, t: Array, values: Mapping[str, Array]
-) -> tuple[tuple[Record, ...], list[str]]:
+def stations_of_rows(path: Path, x: Array, t: Array, values: Mapping[str, Array]) -> Stations:
     """Records of rows (n,), each at a position and a time."""
-    result = []
-    notes: dict[str, None] = {}
     placed = np.isfinite(x)
-    if not placed.all():
-        notes[f"{np.sum(~placed)} rows without a position are left out"] = None
     order = np.flatnonzero(placed)[np.argsort(x[placed], kind="stable")]
-    starts = np.flatnonzero(np.diff(x[order], prepend=np.nan) != 0)
-    _check_count(path, len(starts))
-    for here in np.split(order, starts[1:]) if len(order) else ():
-        columns = {name: value[here] for name, value in values.items()}
-        one, more = station(path, float(x[here[0]]), t[here], columns)
-        result.append(one)
-        notes.update(dict.fromkeys(more))
-    if not result:
+    if not len(order):
         raise DataFileError(f"{path} has no row with a position; give x in every row.")
-    return tuple(result), list(notes)
+    rows = np.split(order, np.flatnonzero(np.diff(x[order])) + 1)
+    parts = (
+        (float(x[here[0]]), t[here], {name: value[here] for name, value in values.items()})
+        for here in rows
+    )
+    stations, notes = _stations(path, len(rows), parts)
+    lost = int(np.sum(~placed))
+    return stations, [f"{lost} rows without a position are left out"] * (lost > 0) + notes
 
 
-def stations_of_grid(
-    path: Path, x: Array, t: Array, values: Mapping[str, Array]
-) -> tuple[tuple[Record, ...], list[str]]:
+def stations_of_grid(path: Path, x: Array, t: Array, values: Mapping[str, Array]) -> Stations:
     """Records of arrays (m, n) at times (m,) and positions (n,)."""
-    _check_count(path, len(x))
-    result = []
-    notes: dict[str, None] = {}
-    for place in np.argsort(x):
-        columns = {name: value[:, place] for name, value in values.items()}
-        one, more = station(path, x[place], t, columns)
-        result.append(one)
-        notes.update(dict.fromkeys(more))
-    return tuple(result), list(notes)
+    parts = (
+        (x[place], t, {name: value[:, place] for name, value in values.items()})
+        for place in np.argsort(x)
+    )
+    return _stations(path, len(x), parts)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.records.names import NOISE, Columns, known_columns, named_unit, no_columns, unit_of
-from compare.records.options import ReadingOptions
-from compare.records.record import AFTER, Array, Record, Records, Unit
+from compare.records.record import AFTER, Array, ReadingOptions, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
@@ -28,7 +27,6 @@ NEVER = 1e8
 """Rupture times from this value on mean that no rupture occurred; SCEC writes 1e9."""
 _FAR = 10.0
 """Factor above all other times from which 1000, 99999 and their like mean the same."""
-
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
 _LENGTH = r"\s*([-+]?[\d.][-+\d.eE]*)\s*(\S*)"
@@ -42,19 +40,9 @@ _CELLS = re.compile(r"^cells\s*[:=]\s*(\d+)", re.IGNORECASE)
 
 
 def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
-    """Records of one text file, and whether it is one station of a run.
+    """Records of a text file, and whether it is one station of a run, which may be told to be at x.
 
-    Parameters
-    ----------
-    path : Path
-    options : ReadingOptions
-    at : float or None
-        Position of its station, if that is told.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be read; the message says where.
+    A DataFileError says where it cannot be read.
     """
     table = read_table(path)
     if tuple(name.lower() for name in table.names) == ("j", "k", "t"):
@@ -213,13 +201,7 @@ def _misplaced(y: Array, values: Mapping[str, Array], fields: Mapping[str, Array
 
 
 def joined(parts: list[Records]) -> Records:
-    """Stations of one run, a file each, as one.
-
-    Raises
-    ------
-    DataFileError
-        If two are at the same position.
-    """
+    """Stations of one run, a file each, as one; DataFileError if two are at the same position."""
     stations: dict[float, tuple[Record, str]] = {}
     for part in parts:
         for one in part.stations:
@@ -305,10 +287,7 @@ def _mean(table: NamedColumns) -> dict[str, Any]:
 
 
 def _spacing(table: NamedColumns, unit: Unit | None) -> float | None:
-    """Distance of grid points, where a comment names it, or the cells over c_t T = 1.
-
-    In the unit of x unless it has one of its own.
-    """
+    """Distance of grid points, in the unit of x unless a comment names one, or 1 over the cells."""
     for comment in table.comments:
         match = _SPACING.match(comment)
         if match:

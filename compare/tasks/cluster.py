@@ -22,12 +22,8 @@ def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
 
     Raises
     ------
-    SceneError
-        If the address is invalid.
-    ComputationError
-        If no scheduler answers there.
-    MissingLibraryError
-        If Dask is not installed.
+    SceneError, ComputationError, MissingLibraryError
+        If the address is invalid, no scheduler answers there, or Dask is not installed.
     """
     if address is None:
         yield None
@@ -58,13 +54,8 @@ def on_cluster(
 ) -> Iterator[tuple[int, Any]]:
     """Call functions on the workers of a cluster; yield (index, result) as each finishes.
 
-    Tasks of a lost worker are repeated by another one.
-
-    Raises
-    ------
-    ComputationError
-        If there is no worker, a worker has another version of slipfront, a task has ended several
-        workers, or the scheduler is lost.
+    Tasks of a lost worker are repeated by another one.  A ComputationError says that there is no
+    worker, one has another version, a task has ended several, or the scheduler is lost.
     """
     from distributed import CancelledError, KilledWorker, as_completed
 
@@ -93,13 +84,7 @@ def on_cluster(
 
 
 def check_workers(client: Any, patience: float = PATIENCE) -> None:
-    """Check that there are workers, and that all have this version of slipfront.
-
-    Raises
-    ------
-    ComputationError
-        If the check fails; the message is one sentence that says what to do.
-    """
+    """Raise ComputationError unless there are workers, and all have this version of slipfront."""
     own = version("slipfront")
     try:
         client.wait_for_workers(1, timeout=patience)

@@ -26,7 +26,6 @@ Item = TypeVar("Item")
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables of a process with one linear-algebra thread."""
-
 LIFELINE = "--lifeline"
 """Argument that tells a program that its standard input is a `lifeline`."""
 
@@ -132,10 +131,7 @@ def _interrupts_held_back() -> Iterator[None]:
 
 @contextmanager
 def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
-    """Keep processes started meanwhile from running the main program again.
-
-    The program is run again only if it defines a function of the tasks.
-    """
+    """Keep processes from running the main program again, unless it defines a function of tasks."""
     main = sys.modules["__main__"]
     if all(function.__module__ != main.__name__ for function, _ in tasks):
         sys.modules["__main__"] = ModuleType("__main__")
@@ -150,24 +146,19 @@ def _serve_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_end_after, args=(wait, [parent.sentinel]), daemon=True).start()
 
 
-def _end_after(sentinel: int) -> None:
-    wait([sentinel])
+def _end_after(waited: Callable[..., object], *given: Any) -> None:
+    waited(*given)
     os._exit(1)
 
 
 @contextmanager
 def lifeline() -> Iterator[int]:
-    """Yield a standard input that lets a child process notice the death of its parent.
+    """Yield a standard input by which a child process notices the death of its parent: it blocks.
 
     The child calls `hang_on`.
-
-    Yields
-    ------
-    int
-        A descriptor on which reading blocks as long as this process lives.
     """
     here, there = os.pipe()
     try:
@@ -179,9 +170,4 @@ def lifeline() -> Iterator[int]:
 
 def hang_on() -> None:
     """End this process when its parent dies; its standard input must be a `lifeline`."""
-
-    def end() -> None:
-        os.read(0, 1)
-        os._exit(1)
-
-    threading.Thread(target=end, daemon=True).start()
+    threading.Thread(target=_end_after, args=(os.read, 0, 1), daemon=True).start()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from compare.comparison.rows import Row
 from compare.records.record import Record
@@ -50,17 +51,24 @@ class Bar:
         """All parts together; None where one is not known."""
         return None if self.grid is None else self.grid + self.data + self.answer
 
+    def row(
+        self,
+        name: str,
+        kind: str,
+        exact: float,
+        simulated: float | None,
+        difference: float | None,
+        **given: Any,
+    ) -> JudgedRow:
+        """A row with this bar and its parts."""
+        given |= {"grid_bar": self.grid, "data_bar": self.data, "answer_bar": self.answer}
+        numbers = (exact, exact, simulated, difference, self.whole)
+        return JudgedRow(name, kind, *numbers, order=self.order, **given)
+
 
 @dataclass(frozen=True)
 class JudgedRow(Row):
-    """A row of a validation, with the parts of its bar.
-
-    Attributes
-    ----------
-    grid_bar : float or None
-    data_bar, answer_bar : float
-        As in `Bar`.
-    """
+    """A row of a validation, with the parts of its bar as in `Bar`."""
 
     grid_bar: float | None = None
     data_bar: float = 0.0
@@ -75,12 +83,7 @@ class JudgedRow(Row):
 def station_bar(grids: Grids, record: Record, name: str, exact: Exact, everywhere: float) -> Bar:
     """Error bar of one quantity at one station, relative as its L1 error.
 
-    Parameters
-    ----------
-    grids, record, name, exact
-        What was recorded, and what is exact.
-    everywhere : float
-        Mean |quantity| of the exact answer at all stations over that at this one.
+    `everywhere` is the mean |quantity| of the exact answer at all stations over that at this one.
     """
     expected = exact.record(name, record.x, record.t, grids.sampling)
     weight = weights(record.t, record.values[name])
@@ -98,11 +101,8 @@ def station_bar(grids: Grids, record: Record, name: str, exact: Exact, everywher
 def noise_mean(share: float) -> float:
     """Largest mean of the absolute value of noise, over its standard deviation.
 
-    Parameters
-    ----------
-    share : float
-        Sum of the squares of the weights of samples, over that of the weights squared: one over the
-        number of samples that are alike.
+    The share is the sum of the squares of the weights of samples, over that of the weights squared:
+    one over the number of samples that are alike.
     """
     return MEAN_NOISE + SCATTER * math.sqrt((1 - MEAN_NOISE**2) * share)
 

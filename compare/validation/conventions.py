@@ -10,22 +10,15 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tables.units import DIMENSIONS
 
-SLIPS = ("relative", "half", "face")
-"""Possible meanings of recorded slip: relative slip, half of it, or the motion of one face."""
-SIGNS = ("as-given", "reversed")
-PRESSURES = ("compression", "tension")
-TRACTIONS = ("total", "changes")
-"""Possible meanings of recorded tractions: total tractions, or their changes since t = 0."""
-RATES = ("point", "before", "after")
-"""A recorded slip rate is that at its time, or the mean over the step before or after it."""
 BASIC = ("length", "time", "stress")
-_POWERS: Mapping[str, tuple[int, int, int]] = {
-    "length": (1, 0, 0),
-    "time": (0, 1, 0),
-    "length / time": (1, -1, 0),
-    "stress": (0, 0, 1),
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "sign": ("as-given", "reversed"),
+    "slip": ("relative", "half", "face"),  # half of relative slip, or the motion of one face
+    "pressure": ("compression", "tension"),
+    "tractions": ("total", "changes"),  # those since t = 0
+    "rate": ("point", "before", "after"),  # at its time, or the mean over the step beside it
 }
-"""Powers of length, time and stress in a dimension."""
+"""Words that each convention takes."""
 
 
 @dataclass(frozen=True)
@@ -111,12 +104,8 @@ class Conventions:
     def scales(self, stated: Stated) -> dict[str, float]:
         """Factors of the columns by the scales given.
 
-        Columns whose unit the file names are in units of the SI, and are left as they are.
-
-        Raises
-        ------
-        SceneError
-            If a scale is given for one of them.
+        Columns whose unit the file names are in units of the SI, and are left as they are; a scale
+        that is given for one of them is refused.
         """
         for name, unit in stated.units.items():
             if name in self.scale:
@@ -124,23 +113,9 @@ class Conventions:
                     f"validate: the file says that {name} is in {unit.name}; leave out the scale "
                     f"of {name}, or the unit in the file."
                 )
+        length, time, stress = (self.scale.get(name, 1.0) for name in BASIC)
+        sizes = {"length": length, "time": time, "stress": stress, "length / time": length / time}
         return {
-            name: 1.0 if name in stated.units else self.scale.get(name, self._product(dimension))
+            name: 1.0 if name in stated.units else self.scale.get(name, sizes[dimension])
             for name, dimension in DIMENSIONS.items()
         }
-
-    def _product(self, dimension: str) -> float:
-        result = 1.0
-        for basic, power in zip(BASIC, _POWERS[dimension], strict=True):
-            result *= self.scale.get(basic, 1.0) ** power
-        return result
-
-
-WORDS: Mapping[str, tuple[str, ...]] = {
-    "sign": SIGNS,
-    "slip": SLIPS,
-    "pressure": PRESSURES,
-    "tractions": TRACTIONS,
-    "rate": RATES,
-}
-"""Words that each convention takes."""

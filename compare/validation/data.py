@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from compare.records.arrays import of_history, records_of_arrays
-from compare.records.options import ReadingOptions
-from compare.records.record import Records
+from compare.records.record import ReadingOptions, Records
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
@@ -23,16 +22,9 @@ LEAST_TIMES = 2
 def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     """Records of one or several runs, in the order given.
 
-    Parameters
-    ----------
-    data : Records, InterfaceHistory, mapping, or a sequence of them
-        A mapping holds arrays "t", "x" and some of `QUANTITIES`: all of one length, a row for each
-        sample, or t (m,), x (n,) or a number, and values (m, n) or (m,).
-
-    Raises
-    ------
-    DataFileError
-        If there are no records, one has fewer than two times, or arrays do not fit each other.
+    A mapping holds arrays "t", "x" and some of `QUANTITIES`: all of one length, a row for each
+    sample, or t (m,), x (n,) or a number, and values (m, n) or (m,).  A DataFileError
+    refuses no records, records of fewer than two times, and arrays that do not fit each other.
     """
     runs = [_run(one) for one in (data if isinstance(data, Sequence) else [data])]
     if not runs:

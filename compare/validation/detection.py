@@ -9,16 +9,16 @@ together, and are taken if exactly one combination explains them.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from compare.records.record import AFTER, BEFORE, Record, Records
+from compare.records.record import AFTER, BEFORE, QUANTITIES, Array, Records
 from compare.validation.conventions import WORDS, Conventions
 from compare.validation.exact import POINT, Exact, Sampling, exact_answer
-from compare.validation.norms import quantity_norm
+from compare.validation.norms import pooled, station_norm, weights
 from compare.validation.readings import (
     TRACTIONS,
     TURNS,
@@ -27,23 +27,27 @@ from compare.validation.readings import (
     given_reading,
     turn_words,
 )
-from compare.validation.weighing import LITTLE, Columns, columns_of, left_by
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 
-SHARP = 0.02
-"""Error of slip rates above which means over steps are not told from values at their times."""
-CLEARLY = 5.0
-"""Factor by which they have to be nearer to a mean: the exact record on 41 steps is 9 times, and
-noise of 1 % makes no difference between them."""
+LITTLE = 0.25
+"""Relative error of a quantity above which a reading does not explain it.
+
+Right runs of UGUCA and SEM2DPACK on 40 to 200 cells leave up to 0.16, and readings differ by a
+sense or a factor of two, so that a wrong one leaves 0.47 at least.  With half of it coarse runs are
+not read; with twice of it a factor of two passes."""
+TELLING = 1e-5
+"""Mean of a quantity over its unit below which the answer says nothing of its sense or size."""
+SHARP, CLEARLY = 0.02, 5.0
+"""Error of slip rates above which means over steps are not told from values at their times, and the
+factor by which they have to be nearer to a mean: the exact record on 41 steps is 9 times, and noise
+of 1 % makes no difference between them."""
 FAR_OFF = 1.9
 """Factor by which a quantity has to be off for another unit to be mentioned as a cause."""
 NEAREST = 0.01
 """Least position of the outermost station, over c_l T, at which no unit is mentioned."""
-LOOKED_AT = 6
-"""Number of stations on which conventions are weighed."""
-SAMPLES = 300
-"""Samples of a record that are enough to tell conventions apart."""
+LOOKED_AT, SAMPLES = 6, 300
+"""Stations, and samples of each, on which conventions are weighed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,21 +79,14 @@ class Detection:
 
 
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
-    """How a run is to be read; what is stated holds, and what is inferred is said.
-
-    Raises
-    ------
-    DataFileError
-        If nothing was recorded after t = 0.
-    SceneError
-        If a scale is given for a column whose unit the file names.
-    """
+    """How a run is to be read; what is stated holds, and what is inferred is said."""
     given = given_reading(conventions, run.stated, scene)
-    read, looked_at = given.apply(run), replace(run, stations=_some(run.stations))
+    read, right = given.apply(run), [record for record in run.stations if record.x > 0]
+    some = np.unique(np.linspace(0, len(right) - 1, LOOKED_AT).round().astype(int))
+    looked_at = replace(run, stations=tuple(right[place] for place in some if right))
     end = last_time(read)
     exact = exact_answer(scene, end, _reach(read, scene, end))
-    sample = replace(looked_at, stations=tuple(map(_thinned, looked_at.stations)))
-    found = _weighed(columns_of(sample, exact, given), Detection(exact, given), run, conventions)
+    found = _weighed(looked_at, Detection(exact, given), conventions)
     found = replace(found, notes=(*_given_notes(conventions), *found.notes))
     if conventions.rate is None and not run.stated.mean:
         found = _with_means(found, looked_at)
@@ -97,13 +94,7 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
 
 
 def last_time(run: Records) -> float:
-    """When the last record ends [time].
-
-    Raises
-    ------
-    DataFileError
-        If nothing was recorded after t = 0.
-    """
+    """When the last record ends [time]; DataFileError if that is not after t = 0."""
     ends = [float(record.t[-1]) for record in run.stations if len(record.t)]
     if run.arrivals is not None:
         ends += [float(time) for time in run.arrivals[1] if np.isfinite(time)]
@@ -120,51 +111,98 @@ def _reach(run: Records, scene: Scene, end: float) -> float:
     """The farthest position that is compared [length]."""
     farthest = scene.material.longitudinal_speed * end
     places = [record.x for record in run.stations]
-    if run.arrivals is not None:
-        places += [float(place) for place in run.arrivals[0]]
+    places += [] if run.arrivals is None else run.arrivals[0].tolist()
     return max((place for place in places if 0 < place <= farthest), default=0.1 * farthest)
 
 
-def _some(stations: Sequence[Record]) -> tuple[Record, ...]:
-    right = [record for record in stations if record.x > 0]
-    chosen = np.unique(np.linspace(0, len(right) - 1, LOOKED_AT).round().astype(int))
-    return tuple(right[place] for place in chosen) if right else ()
+@dataclass(frozen=True, eq=False)
+class WeighedColumn:
+    """One quantity at all stations that waves reach, in order.
+
+    Attributes
+    ----------
+    values, weight, expected : ndarray, shape (n,)
+        Numbers of the file, zero in gaps; weights of samples, zero in gaps; exact values.
+    unit : float
+        That of the quantity, as in `Exact.unit`.
+    """
+
+    values: Array
+    weight: Array
+    expected: Array
+    unit: float
+
+    def tells(self, base: float = 0.0) -> bool:
+        """Whether the answer has something to say of the quantity, besides its base."""
+        return self.size(base) > TELLING * self.unit * float(self.weight.sum())
+
+    def left(self, reading: Conversion, name: str) -> float:
+        """Relative error of the numbers as they are read, of what changes from the base.
+
+        Where nothing does, over the quantity with its base, or over its unit.
+        """
+        factor, base = reading.factor(name), reading.offset(name)
+        size = self.size(base)
+        if not self.tells(base):
+            size = max(self.size(0.0), self.unit * float(self.weight.sum()))
+        return float(self.weight @ np.abs(factor * self.values + base - self.expected)) / size
+
+    def size(self, base: float) -> float:
+        """Integral of the exact |quantity less its base|."""
+        return float(self.weight @ np.abs(self.expected - base))
 
 
-def _thinned(record: Record) -> Record:
-    every = max(len(record.t) // SAMPLES, 1)
-    values = {name: column[::every] for name, column in record.values.items()}
-    return Record(record.x, record.t[::every], values)
+Columns = Mapping[str, WeighedColumn]
 
 
-def _weighed(
-    columns: Columns, given: Detection, run: Records, conventions: Conventions
-) -> Detection:
+def _columns_of(run: Records, exact: Exact, reading: Conversion) -> Columns:
+    """The quantities of a file, whose positions and times are read by a reading."""
+    speed, columns = exact.scene.material.longitudinal_speed, {}
+    records = [one.taken(slice(None, None, max(len(one.t) // SAMPLES, 1))) for one in run.stations]
+    for name in QUANTITIES:
+        parts = []
+        for record in (one for one in records if name in one.values):
+            x, t, values = reading.place(record), reading.times(record), record.values[name]
+            weight = weights(t, values)
+            if x <= speed * t[-1] and weight.any():
+                known = np.where(weight > 0, values, 0.0)
+                parts.append((known, weight, exact.record(name, x, t)))
+        if parts:
+            values, weight, expected = map(np.concatenate, zip(*parts, strict=True))
+            columns[name] = WeighedColumn(values, weight, expected, exact.unit(name))
+    return columns
+
+
+def _left_by(reading: Conversion, columns: Columns) -> dict[str, float]:
+    return {name: column.left(reading, name) for name, column in columns.items()}
+
+
+def _weighed(run: Records, given: Detection, conventions: Conventions) -> Detection:
     """The conventions that alone explain all quantities, if those as given do not."""
+    scene, columns = given.exact.scene, _columns_of(run, given.exact, given.reading)
+    as_given = _left_by(given.reading, columns)
     if not columns:
         return given
-    as_given = left_by(given.reading, columns)
     largest = max(as_given.values())
     found = replace(given, left=largest, as_given=largest)
     if largest < LITTLE:
         return found
     fitting: list[tuple[dict[str, Any], Conversion]] = []
     for words in _combinations(run, conventions):
-        reading = given_reading(replace(conventions, **words), run.stated, given.exact.scene)
+        reading = given_reading(replace(conventions, **words), run.stated, scene)
         known = any(_alike(reading, other, columns) for _, other in fitting)
-        if not known and _explains(reading, words, columns, given.exact.scene):
+        if not known and _explains(reading, words, columns, scene):
             fitting.append((words, reading))
-    if len(fitting) == 1:
-        ((words, reading),) = fitting
-        said = tuple(turn_words(words, columns))
-        left = max(left_by(reading, columns).values())
-        return replace(found, reading=reading, stating=words, inferred=said, left=left)
-    if fitting:
-        both = ", or ".join("; ".join(turn_words(words, columns)) for words, _ in fitting)
-        return replace(
-            found, notes=(f"conventions: as given; several fit, {both}: state one of them",)
-        )
-    return replace(found, notes=tuple(_hint(given, as_given, columns, run)))
+    if not fitting:
+        return replace(found, notes=tuple(_hint(given, as_given, columns, run)))
+    said = [tuple(turn_words(words, columns)) for words, _ in fitting]
+    if len(fitting) > 1:
+        both = ", or ".join(map("; ".join, said))
+        note = f"conventions: as given; several fit, {both}: state one of them"
+        return replace(found, notes=(note,))
+    ((words, reading),) = fitting
+    left = max(_left_by(reading, columns).values())
+    return replace(found, reading=reading, stating=words, inferred=said[0], left=left)
 
 
 def _combinations(run: Records, conventions: Conventions) -> Iterator[dict[str, Any]]:
@@ -184,10 +222,11 @@ def _explains(
 
     Tractions are changes only if one with a base changes, and its numbers alone do not explain it.
     """
-    if max(left_by(reading, columns).values()) >= LITTLE:
+    if max(_left_by(reading, columns).values()) >= LITTLE:
         return False
+    bare = replace(reading, offsets={})
     return "tractions" not in words or any(
-        columns[name].tells(base) and columns[name].left(reading.factor(name)) > LITTLE
+        columns[name].tells(base) and columns[name].left(bare, name) > LITTLE
         for name in TRACTIONS
         if name in columns and (base := base_of(scene, name))
     )
@@ -216,9 +255,9 @@ def _hint(
         )
         return
     ratios = {
-        name: column.ratio(reading.factor(name), reading.offset(name))
-        for name, column in columns.items()
-        if as_given[name] >= LITTLE and column.tells()
+        name: float(one.weight @ np.abs(reading.read(name, one.values))) / one.size(0.0)
+        for name, one in columns.items()
+        if as_given[name] >= LITTLE and one.tells()
     }
     off = {n: r for n, r in ratios.items() if r > FAR_OFF or 0 < r < 1 / FAR_OFF}
     if off:
@@ -234,8 +273,12 @@ def _with_means(found: Detection, run: Records) -> Detection:
     """Whether slip rates are means over steps, where nothing says so."""
     read, exact = found.reading.apply(run), found.exact
     kinds = {kind: Sampling(kind) for kind in (POINT, BEFORE, AFTER)}
-    norms = {kind: quantity_norm(read, "slip_rate", exact, one) for kind, one in kinds.items()}
-    errors = {kind: norm.L1 for kind, norm in norms.items() if norm is not None and norm.exact > 0}
+    errors = {}
+    for kind, one in kinds.items():
+        norms = [station_norm(record, "slip_rate", exact, one) for record in read.stations]
+        known = [norm for norm in norms if norm is not None]
+        if known and (norm := pooled(known)).exact > 0:
+            errors[kind] = norm.L1
     if not errors:
         return found
     best = min(errors, key=errors.__getitem__)

@@ -114,13 +114,7 @@ class Exact:
 
 
 def exact_answer(scene: Scene, end_time: float, reach: float) -> Exact:
-    """Solve a scene for records until an end time [time] and as far as `reach` [length].
-
-    Raises
-    ------
-    SceneError, ComputationError
-        As `solve`.
-    """
+    """Solve a scene for records until an end time [time] and as far as `reach` [length]."""
     if chosen(scene).name == "self-similar":
         answer: Solution | Marched = solve(scene)
     else:

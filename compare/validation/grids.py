@@ -93,19 +93,8 @@ def arranged(
 ) -> tuple[Grids, tuple[str, ...]]:
     """Runs in order, finest first, and what had to be guessed of their grids.
 
-    Parameters
-    ----------
-    runs : sequence of Records
-        At rising resolution, unless spacings say otherwise.
-    spacings : sequence of float or None
-        As given for each [length].
-    sampling, noise
-        As in `Grids`.
-
-    Raises
-    ------
-    SceneError
-        If two runs have one spacing.
+    They come at rising resolution, unless spacings [length] say otherwise; sampling and noise are
+    those of `Grids`.  Two runs of one spacing are refused by a SceneError.
     """
     notes: list[str] = []
     sizes = []
@@ -168,12 +157,7 @@ def spacing_bar(
 ) -> float | None:
     """Error bar of a record from the spacing of its grid alone, relative as its L1 error.
 
-    Parameters
-    ----------
-    grids, record, name, exact
-        What was recorded, and what is exact.
-    everywhere : float
-        Mean |quantity| of the exact answer at all stations over that at this one.
+    `everywhere` is the mean |quantity| of the exact answer at all stations over that at this one.
     """
     if grids.spacing is None:
         return None
@@ -190,19 +174,8 @@ def brief_part(
     """Part of slip or slip rate at a station that grids may miss because it lasts for few cells.
 
     Where a slip zone is narrow its slip is not displaced but smaller or larger, and stays so: each
-    stretch of slip counts with one over the number of cells it lasts for.
-
-    Parameters
-    ----------
-    spacing : float
-        Of the grid [length].
-    record : Record
-        That holds the quantity, in units of the scene.
-    name : str
-        "slip" or "slip_rate".
-    exact : Exact
-    longest : float
-        Cells; stretches that last longer do not count.
+    stretch of slip counts with one over the number of cells, of a spacing [length], it lasts for.
+    Stretches that last longer than so many cells do not count.
     """
     t = record.t
     rate, slip = (exact.record(one, record.x, t) for one in ("slip_rate", "slip"))

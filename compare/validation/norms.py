@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import NOTHING
-from compare.records.record import Record, Records
+from compare.records.record import Record
 from compare.validation.exact import AT_TIME, Exact, Sampling
 
 Array = NDArray[np.float64]
@@ -95,12 +95,3 @@ def pooled(norms: list[Norm]) -> Norm:
         L2=parts[1],
         samples=samples,
     )
-
-
-def quantity_norm(
-    run: Records, name: str, exact: Exact, sampling: Sampling = AT_TIME
-) -> Norm | None:
-    """Errors of one quantity at all stations together; None if none recorded it."""
-    norms = [station_norm(record, name, exact, sampling) for record in run.stations]
-    known = [norm for norm in norms if norm is not None]
-    return pooled(known) if known else None

@@ -51,13 +51,13 @@ class Conversion:
 
     def times(self, record: Record) -> Array:
         """Return the times of a record of the file in units of the scene [time]."""
-        return self._read("t", record.t)
+        return self.read("t", record.t)
 
     def apply(self, run: Records) -> Records:
         """A run in units and conventions of the scene."""
         arrivals = run.arrivals
         if arrivals is not None:
-            arrivals = self._read("x", arrivals[0]), self._read("t", arrivals[1])
+            arrivals = self.read("x", arrivals[0]), self.read("t", arrivals[1])
         return replace(
             run,
             stations=tuple(self._record(record) for record in run.stations),
@@ -65,14 +65,15 @@ class Conversion:
             spacing=None if run.spacing is None else run.spacing * self.factor("x"),
         )
 
-    def _read(self, name: str, values: Array) -> Array:
+    def read(self, name: str, values: Array) -> Array:
+        """Return numbers of a column in units and conventions of the scene."""
         return values * self.factor(name) + self.offset(name)
 
     def _record(self, record: Record) -> Record:
         return Record(
             self.place(record),
             self.times(record),
-            {name: self._read(name, values) for name, values in record.values.items()},
+            {name: self.read(name, values) for name, values in record.values.items()},
         )
 
 
@@ -85,13 +86,7 @@ def turn_words(conventions: Mapping[str, str], recorded: Collection[str]) -> Ite
 
 
 def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Conversion:
-    """The reading that conventions and the file itself ask for.
-
-    Raises
-    ------
-    SceneError
-        If a scale is given for a column whose unit the file names.
-    """
+    """The reading that conventions and the file itself ask for."""
     factors = conventions.scales(stated)
     sign = -1.0 if conventions.sign == "reversed" else 1.0
     for name in MOTION:
@@ -105,7 +100,11 @@ def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Con
             name in stated.changes and conventions.tractions is None
         ):
             offsets[name] = base_of(scene, name)
-    return Conversion(factors, offsets, _sampling(conventions, stated, factors["t"]))
+    sampling = AT_TIME if conventions.rate is None else Sampling(conventions.rate)
+    if conventions.rate is None and stated.mean:
+        step = None if stated.step is None else stated.step * factors["t"]
+        sampling = Sampling(stated.mean, step)
+    return Conversion(factors, offsets, sampling)
 
 
 def base_of(scene: Scene, name: str) -> float:
@@ -115,11 +114,3 @@ def base_of(scene: Scene, name: str) -> float:
     """
     held = scene.superposition.in_place
     return {"shear_traction": held.shear, "pressure": held.pressure}.get(name, 0.0)
-
-
-def _sampling(conventions: Conventions, stated: Stated, scale: float) -> Sampling:
-    if conventions.rate is not None:
-        return Sampling(conventions.rate)
-    if stated.mean:
-        return Sampling(stated.mean, None if stated.step is None else stated.step * scale)
-    return AT_TIME

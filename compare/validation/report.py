@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
-from compare.comparison.documents import SCENE_DIMENSIONS, json_text, row_units, units_document
-from compare.output.files import write_text
+from compare.comparison.documents import SCENE_DIMENSIONS, row_units, units_document
 from compare.validation.validation import Validation
 from semianalytic.results.answer import method_of
 from semianalytic.scene.given.documents import scene_document
@@ -61,14 +59,3 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def write_validation(validation: Validation, label: str, path: Path) -> None:
-    """Write a validation as JSON, whole or not at all.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
-    write_text(path, json_text(validation_document(validation, label)))

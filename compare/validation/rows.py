@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -54,14 +54,8 @@ ONE_FACE = (
 def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[JudgedRow]:
     """All rows of a validation.
 
-    Parameters
-    ----------
-    grids : Grids
-    exact : Exact
-    threshold : float, optional
-        Slip rate at which slip counts as begun [length / time].
-    face : bool
-        Whether slip was made of the motion of one face.
+    Slip counts as begun at the threshold [length / time]; `face` says that it was made of the
+    motion of one face.
     """
     found = itertools.chain(
         arrival_rows(grids, exact, threshold),
@@ -132,22 +126,16 @@ def _row(
         obstacle = obstacle or NO_GRID
     elif whole > TELLING:
         obstacle = obstacle or _too_wide(bar, grids, exact)
-    return JudgedRow(
+    return bar.row(
         f"{kind} {where}",
         kind,
         norm.exact,
-        norm.exact,
         norm.simulated,
         norm.L1,
-        whole,
         unit=units.get(name, "τ₀"),
         relative=True,
-        order=bar.order,
         obstacle=obstacle,
         resolution=_cells(grids, exact, bar),
-        grid_bar=bar.grid,
-        data_bar=bar.data,
-        answer_bar=bar.answer,
     )
 
 
@@ -210,21 +198,9 @@ def _arrival_row(
     obstacle = NO_GRID if grids.spacing is None else ""  # all grids may miss what is too narrow
     if whole is not None and whole * end > TELLING * expected:
         obstacle = "what begins to slip here is too weak, or too narrow, for this grid"
-    return JudgedRow(
-        f"arrival at {_over(onset.x, exact):.3g} c_t T",
-        "arrival",
-        expected / end,
-        expected / end,
-        None if seen is None else seen / end,
-        None if seen is None else (seen - expected) / end,
-        whole,
-        unit="T",
-        order=bar.order,
-        obstacle=obstacle,
-        grid_bar=bar.grid,
-        data_bar=bar.data,
-        answer_bar=bar.answer,
-    )
+    name = f"arrival at {_over(onset.x, exact):.3g} c_t T"
+    off = (None, None) if seen is None else (seen / end, (seen - expected) / end)
+    return bar.row(name, "arrival", expected / end, *off, unit="T", obstacle=obstacle)
 
 
 class Onset:
@@ -238,19 +214,19 @@ class Onset:
 
     def reach(self, width: float) -> float:
         """How far it may be off [time] for a grid that smears it over a time."""
-        times = [
+        return self._farthest(
             onset_time(self.t, self._smoothed(cells * width), factor * self.threshold)
             for cells in (0.0, *SMOOTHED)
             for factor in (0.5, 1.0, 2.0)
-        ]
-        ends = [2 * self.end_time if time is None else time for time in times]
-        return max(abs(time - (self.time or 0.0)) for time in ends)
+        )
 
     def jitter(self, noise: float) -> float:
         """How far noise of a standard deviation [length / time] may move it [time]."""
         levels = (self.threshold - SCATTER * noise, self.threshold + SCATTER * noise)
-        times = [onset_time(self.t, self.rate, level) for level in levels] if noise else []
-        ends = [2 * self.end_time if time is None else time for time in times]
+        return self._farthest(onset_time(self.t, self.rate, one) for one in levels if noise)
+
+    def _farthest(self, times: Iterable[float | None]) -> float:
+        ends = (2 * self.end_time if time is None else time for time in times)
         return max((abs(time - (self.time or 0.0)) for time in ends), default=0.0)
 
     def _smoothed(self, width: float) -> Array:
@@ -345,21 +321,9 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
         SCATTER * MEDIAN_NOISE * noise / math.sqrt(count),
     )
     whole = bar.whole or 0.0
-    yield JudgedRow(
-        "strength where it slides",
-        "shear traction",
-        1.0,
-        1.0,
-        seen,
-        seen - 1,
-        whole,
-        unit="exact",
-        relative=True,
-        obstacle="" if whole <= TELLING else _too_wide(bar, grids, exact),
-        grid_bar=bar.grid,
-        data_bar=bar.data,
-        answer_bar=bar.answer,
-    )
+    obstacle = "" if whole <= TELLING else _too_wide(bar, grids, exact)
+    name, kind = "strength where it slides", "shear traction"
+    yield bar.row(name, kind, 1.0, seen, seen - 1, unit="exact", relative=True, obstacle=obstacle)
 
 
 def _slides(exact: Exact, record: Record, band: float) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import AGREES, DIFFERS, MOTION, HasRows, overall
-from compare.records.record import BEFORE, QUANTITIES, Record, Records
+from compare.records.record import BEFORE, QUANTITIES, Records
 from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions
 from compare.validation.data import Data, as_runs
@@ -34,6 +34,10 @@ MOST_STATIONS = 101
 every verdict of the trial as it is."""
 MOST_SAMPLES = 4000
 """Most samples of a record that are judged; of more, every second, third or later one."""
+ONE_FACE = (
+    "slip: that of one face, doubled; right by antisymmetry where bodies are identical and only "
+    "shear acts"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,33 +149,34 @@ def validate(
     scene = scene_of_one_solid("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
-    found = [detect(runs[-1], scene, conventions)]
-    for run in runs[-2::-1]:  # runs of one code are alike, unless their headers say otherwise
-        alike = run.stated == runs[-1].stated
-        found.insert(0, found[-1] if alike else detect(run, scene, conventions))
-    detection = found[-1]
-    read, left_out = zip(
-        *(
-            _in_reach(one.reading.apply(run), detection)
-            for one, run in zip(found, runs, strict=True)
-        ),
-        strict=True,
-    )
+    last = detect(runs[-1], scene, conventions)
+    # runs of one code are alike, unless their headers say otherwise
+    found = [
+        last if run.stated == runs[-1].stated else detect(run, scene, conventions) for run in runs
+    ]
+    reached = [
+        _in_reach(one.reading.apply(run), last) for one, run in zip(found, runs, strict=True)
+    ]
     sizes = _spacings(spacing, found, runs, conventions)
-    noise = _noise(conventions, detection, runs[-1])
-    grids, guessed = arranged(read, sizes, detection.reading.sampling, noise)
-    alone = conventions.slip is None and any(run.stated.faces for run in runs)
-    one_face = conventions.slip == "face" or alone
-    face = one_face and bool(scene.superposition.taken_off.pressure)
-    notes = [note for run in runs for note in run.notes]
-    left = (note for some in left_out for note in some)
-    said = (*detection.notes, *notes, *_face_notes(one_face, face), *left, *guessed)
-    exact = detection.exact
+    noise = _noise(conventions, last, runs[-1])
+    read = [run for run, _ in reached]
+    grids, guessed = arranged(read, sizes, last.reading.sampling, noise)
+    notes = [*last.notes, *(note for run in runs for note in run.notes)]
+    face = False
+    if conventions.slip == "face" or (
+        conventions.slip is None and any(run.stated.faces for run in runs)
+    ):
+        notes.append(ONE_FACE)
+        face = bool(scene.superposition.taken_off.pressure)
+    if face:
+        notes.append("pressure acts here and moves both faces alike: rows of slip are not resolved")
+    notes += [*(note for _, left in reached for note in left), *guessed]
+    exact = last.exact
     return Validation(
         scene,
-        detection,
+        last,
         grids,
-        tuple(dict.fromkeys(said)),
+        tuple(dict.fromkeys(notes)),
         tuple(rows(grids, exact, conventions.threshold, face=face)),
         tuple(_norms(grids, exact)),
     )
@@ -191,14 +196,9 @@ def _noise(conventions: Conventions, detection: Detection, run: Records) -> Mapp
         # one with a unit is in that of the scene, whatever the file is in
         name: noise
         if isinstance(noise, InSI)
-        else noise * _size(run, name) * abs(detection.reading.factor(name))
+        else noise * run.stated.size(name) * abs(detection.reading.factor(name))
         for name, noise in conventions.noise.items()
     }
-
-
-def _size(run: Records, name: str) -> float:
-    """Factor by which the numbers of a column have been multiplied since they were read."""
-    return run.stated.units[name].size if name in run.stated.units else 1.0
 
 
 def _spacings(
@@ -222,7 +222,9 @@ def _spacings(
         for size in given
     ]
     return [
-        size if isinstance(as_given, InSI) else size * _size(run, "x") * one.reading.factor("x")
+        size
+        if isinstance(as_given, InSI)
+        else size * run.stated.size("x") * one.reading.factor("x")
         for as_given, size, one, run in zip(given, sizes, found, runs, strict=True)
     ]
 
@@ -232,17 +234,14 @@ def _with_rates(run: Records, conventions: Conventions) -> Records:
     lacks = any("slip" in r.values and "slip_rate" not in r.values for r in run.stations)
     if not (conventions.rate_from_slip and lacks):
         return run
-    stations = tuple(_with_rate(record) for record in run.stations)
+    stations = list(run.stations)
+    for place, record in enumerate(stations):
+        if "slip" in record.values and "slip_rate" not in record.values and len(record.t) > 1:
+            rate = np.append(np.nan, np.diff(record.values["slip"]) / np.diff(record.t))
+            stations[place] = replace(record, values={**record.values, "slip_rate": rate})
     note = "slip rate: made of differences of slip, so that it is the mean over each step"
     stated = replace(run.stated, mean=BEFORE, step=None)
-    return replace(run, stations=stations, notes=(*run.notes, note), stated=stated)
-
-
-def _with_rate(record: Record) -> Record:
-    if "slip_rate" in record.values or len(record.t) < 2 or "slip" not in record.values:
-        return record
-    rate = np.append(np.nan, np.diff(record.values["slip"]) / np.diff(record.t))
-    return replace(record, values={**record.values, "slip_rate": rate})
+    return replace(run, stations=tuple(stations), notes=(*run.notes, note), stated=stated)
 
 
 def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, ...]]:
@@ -271,22 +270,5 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         notes.append(f"{len(run.points)} records of points inside the bodies are not compared")
     if any(len(record.t) > MOST_SAMPLES for record in kept):
         notes.append(f"of stations of more than {MOST_SAMPLES} times evenly chosen ones are judged")
-    return replace(run, stations=tuple(map(_fewer, kept))), tuple(notes)
-
-
-def _fewer(record: Record) -> Record:
-    """A record without most of its samples, where it has very many."""
-    every = -(-len(record.t) // MOST_SAMPLES)
-    values = {name: value[::every] for name, value in record.values.items()}
-    return Record(record.x, record.t[::every], values)
-
-
-def _face_notes(one_face: bool, pressed: bool) -> Iterator[str]:
-    if not one_face:
-        return
-    yield (
-        "slip: that of one face, doubled; right by antisymmetry where bodies are identical and "
-        "only shear acts"
-    )
-    if pressed:
-        yield "pressure acts here and moves both faces alike: rows of slip are not resolved"
+    fewer = (one.taken(slice(None, None, -(-len(one.t) // MOST_SAMPLES))) for one in kept)
+    return replace(run, stations=tuple(fewer)), tuple(notes)

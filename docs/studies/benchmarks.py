@@ -24,7 +24,7 @@ from compare.benchmarks.answers import checksums
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import DATA, SUMS, Sheet, find_sheet, sheets
 from compare.comparison.interfaces.comparing import line_of
-from compare.output.files import write_text
+from compare.output.places import write_text
 from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from compare.output.files import write_text
+from compare.output.places import write_text
 from semianalytic.scene.errors import DataFileError
 
 ROOT = Path(__file__).resolve().parents[2]

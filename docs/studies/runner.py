@@ -31,7 +31,7 @@ from rich.console import Console
 
 from compare.figures.saving import save_figure
 from compare.figures.style import cycle, describe, new_figure, styled
-from compare.output.files import write_text
+from compare.output.places import write_text
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.tasks.workers import run_tasks

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import slipfront as sf
-from compare.output.files import write_text
+from compare.output.places import write_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "data"
 COMMAND = "python -m docs.studies.samples docs/data"

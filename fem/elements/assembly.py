@@ -19,7 +19,6 @@ from semianalytic.scene.scene import Material
 
 ROUNDED = 1e-13
 """Entries of a stiffness matrix below this fraction of the stiffest modulus count as zero."""
-
 SAME_SHAPE = 1e-12
 """Largest difference of the corners of elements of one shape, over the largest element."""
 
@@ -119,15 +118,7 @@ def stiffness(
     """Assemble the stiffness K in plane strain, for blocks of the same or different materials.
 
     scikit-fem integrates one element of each shape; the matrices are then added up over all
-    elements.
-
-    Parameters
-    ----------
-    space : Space
-        n nodes.
-    materials : mapping from the name of a block to its Material
-    place : (n,) array, optional
-        New number of each node; that of the mesh unless given.
+    elements.  Nodes have new numbers (n,) if a place is given for each.
 
     Returns
     -------
@@ -152,14 +143,7 @@ def stiffness(
 def antiplane_stiffness(
     space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
 ) -> sparse.csr_array:
-    """Assemble the stiffness of displacement along z, mu (D_xx + D_yy), like `stiffness`.
-
-    Unknown a is the displacement of node a.
-
-    Returns
-    -------
-    (n, n) CSR array
-    """
+    """Assemble the (n, n) stiffness of displacement along z, mu (D_xx + D_yy), like `stiffness`."""
     unit = space.integrals.xx + space.integrals.yy
     local = np.concatenate([material.shear_modulus * unit for material in materials.values()])
     total = _assembler(space, materials, place)(local)
@@ -182,10 +166,7 @@ STIFFNESS: Mapping[tuple[int, ...], Callable[..., sparse.csr_array]] = {
 def _assembler(
     space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None
 ) -> Callable[[NDArray[Any]], sparse.csr_array]:
-    """Return a function that assembles scalar matrices from local ones.
-
-    The local ones are (k, k) for each shape of each material.
-    """
+    """Return a function that assembles scalar matrices from local ones, (k, k) for each shape."""
     kind, nodes = _kinds(space, materials), space.element_nodes.T
     nodes = nodes if place is None else place[nodes]
     count, corners = space.points.shape[1], nodes.shape[1]
@@ -214,23 +195,10 @@ def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.f
 def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the nodes of a horizontal side and the length of the side that belongs to each.
 
-    Inner nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2
-    of the slot face and h/2 of the contact face, and one at x > 0 (`fem.elements.edge`) as much
-    less of the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends
-    1/3 h.
-
-    Parameters
-    ----------
-    space : Space
-    side : str
-        Name of a boundary.
-
-    Returns
-    -------
-    nodes : (m,) array
-        In order of increasing x.
-    lengths : (m,) array
-        int phi ds over the side [length].
+    They are in order of increasing x; the lengths are int phi ds over the side [length].  Inner
+    nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2 of the
+    slot face and h/2 of the contact face, and one at x > 0 (`fem.elements.edge`) as much less of
+    the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends 1/3 h.
     """
     nodes, spacing = space.side_nodes(side), space.family.spacing
     sides = np.diff(space.points[0, nodes[::spacing]])

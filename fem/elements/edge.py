@@ -36,10 +36,8 @@ from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
 """Number of points of the midpoint rule, which converges exponentially."""
-
 DOUBLINGS = 14
 """Number of times that the depth of the meshed half-plane is doubled."""
-
 FARTHEST = 0.49
 """Largest distance of an edge from its node, over h: beyond h/2 another node would be nearer."""
 
@@ -93,19 +91,9 @@ def surface_stiffness(
 ) -> NDArray[np.complex128]:
     """Return the static surface stiffness of a half-plane of unit squares [stress], (n, m, m).
 
-    It is the force on each node of the surface y = 0 of y > 0 per displacement of it, both
-    multiplied by exp(i theta x).  Rows are eliminated by cyclic reduction, every other one at a
-    time.
-
-    Parameters
-    ----------
-    material : Material
-    family : Family
-        With nodes at the corners only.
-    angles : (n,) array
-        theta, above 0.
-    components : (m,) tuple of int
-        `IN_PLANE` or `OUT_OF_PLANE`.
+    It is the force on each node of the surface y = 0 of y > 0 per displacement of it in m
+    components, both multiplied by exp(i theta x), for angles theta > 0 (n,).  The family has nodes
+    at the corners only.  Rows are eliminated by cyclic reduction, every other one at a time.
     """
     patch = MeshQuad.init_tensor(np.arange(3.0), np.arange(4.0))
     space = make_space(patch.with_subdomains({"upper": np.arange(patch.nelements)}), family)

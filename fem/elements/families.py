@@ -8,17 +8,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import skfem
 from numpy.typing import NDArray
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuad1,
-    ElementQuad2,
-    ElementTriP1,
-    LinearForm,
-    MeshQuad,
-    MeshTri,
-)
 from skfem.element import Element
 from skfem.mesh import Mesh
 
@@ -73,9 +64,9 @@ _MIDDLE = np.full((2, 1), 0.5)
 FAMILIES: Mapping[str, Family] = {
     family.name: family
     for family in (
-        Family("P1", ElementTriP1(), _CORNERS, 0, 1, _ENDS[1], True, _MIDDLE * 2 / 3),
-        Family("Q1", ElementQuad1(), _tensor(*_ENDS), 2, 1, _ENDS[1], False, _MIDDLE),
-        Family("Q2", ElementQuad2(), _tensor(*_SIMPSON), 4, 2, _SIMPSON[1], False, _MIDDLE),
+        Family("P1", skfem.ElementTriP1(), _CORNERS, 0, 1, _ENDS[1], True, _MIDDLE * 2 / 3),
+        Family("Q1", skfem.ElementQuad1(), _tensor(*_ENDS), 2, 1, _ENDS[1], False, _MIDDLE),
+        Family("Q2", skfem.ElementQuad2(), _tensor(*_SIMPSON), 4, 2, _SIMPSON[1], False, _MIDDLE),
     )
 }
 """Linear triangles, bilinear and biquadratic quadrilaterals, the last with Gauss-Lobatto mass."""
@@ -86,13 +77,7 @@ FEW = 256
 
 
 def find_family(element: str, pattern: str) -> Family:
-    """Return the element family of a name, for meshes of a pattern.
-
-    Raises
-    ------
-    SceneError
-        If there is no such family, or it needs quadrilaterals and the pattern has triangles.
-    """
+    """Return the element family of a name, for meshes of a pattern; SceneError if there is none."""
     if element not in FAMILIES:
         known = ", ".join(FAMILIES)
         raise SceneError(f"simulate: element must be one of {known}, got {element!r}.")
@@ -102,22 +87,22 @@ def find_family(element: str, pattern: str) -> Family:
     return family
 
 
-@BilinearForm
+@skfem.BilinearForm
 def _xx(u, v, _):  # type: ignore[no-untyped-def]
     return u.grad[0] * v.grad[0]
 
 
-@BilinearForm
+@skfem.BilinearForm
 def _yy(u, v, _):  # type: ignore[no-untyped-def]
     return u.grad[1] * v.grad[1]
 
 
-@BilinearForm
+@skfem.BilinearForm
 def _xy(u, v, _):  # type: ignore[no-untyped-def]
     return u.grad[1] * v.grad[0]
 
 
-@LinearForm
+@skfem.LinearForm
 def _one(v, _):  # type: ignore[no-untyped-def]
     return v
 
@@ -158,13 +143,13 @@ def integrals_of(family: Family, elements: Mesh) -> Integrals:
 
 
 def _integrals(family: Family, elements: Mesh) -> Integrals:
-    inside = Basis(elements, family.kind, intorder=family.order)
-    at_nodes = Basis(elements, family.kind, quadrature=family.nodal)
+    inside = skfem.Basis(elements, family.kind, intorder=family.order)
+    at_nodes = skfem.Basis(elements, family.kind, quadrature=family.nodal)
     xx, yy, xy = (form.elemental(inside).tolocal() for form in (_xx, _yy, _xy))
     return Integrals(xx, yy, xy, _one.elemental(at_nodes).tolocal())
 
 
 @lru_cache(maxsize=32)
 def _integrals_of_few(family: Family, corners: bytes, count: int) -> Integrals:
-    kind = MeshTri if family.triangular else MeshQuad
+    kind = skfem.MeshTri if family.triangular else skfem.MeshQuad
     return _integrals(family, apart(kind, np.frombuffer(corners).reshape(2, -1), count))

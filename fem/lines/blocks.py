@@ -94,17 +94,7 @@ class Block:
         stiffness = STIFFNESS[self.components](space, one, place)
         matrix, root = normalised(stiffness[: self.unknowns, : self.unknowns], mass)
         matrix.data *= step**2
-        none = np.empty(0, dtype=np.int64)
-        return MarchedBody(
-            components=self.components,
-            matrix=matrix,
-            root=root,
-            damping=self.damping_time / step,
-            loaded=none,
-            load=np.empty(0),
-            held=none,
-            mirrored=np.empty((2, 0), dtype=np.int64),
-        )
+        return MarchedBody(self.components, matrix, root, self.damping_time / step)
 
     def absorption(self, root: Array, step: float) -> Array:
         """Return z = rho c h dt / (2 m) of the unknowns of the far side, (k,)."""
@@ -124,15 +114,9 @@ class Block:
 
 
 def make_blocks(line: Line, end_time: float, damping: float) -> list[Block]:
-    """Return the blocks of a line: one where both bodies move oppositely, else two.
+    """Return the blocks of a line until T [time]: one where both move oppositely, else two.
 
-    Parameters
-    ----------
-    line : Line
-    end_time : float
-        T [time].
-    damping : float
-        eta of the damping of each block, over the time in which its shear wave crosses a square.
+    The damping is eta of each block, over the time in which its shear wave crosses a square.
     """
     size, columns = line.spacing, len(line.x)
     softest = min(line.upper.shear_modulus, line.lower.shear_modulus)

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.elements.assembly import X, Y, Z
-from fem.interface import contact_pressure
+from fem.interface import ContactFace, FacePair, contact_pressure
 from fem.lines.blocks import Block, check_work, make_blocks
 from fem.lines.line import Line, Tractions
 from fem.model import RATE_WINDOW
-from fem.stepping import MarchedBody
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import ComputationError
@@ -83,50 +82,6 @@ class LineSimulation:
         return len(self.x)
 
 
-@dataclass(frozen=True)
-class Side:
-    """The face of a block, for one component of motion."""
-
-    body: MarchedBody
-    unknowns: slice
-    root: Array
-    sign: float
-
-
-class Jump:
-    """One component of the motion of the upper face less that of the lower one.
-
-    Parameters
-    ----------
-    sides : list of Side
-        The upper face, and the lower one unless it moves oppositely.
-    size, step : float
-        Node distance [length] and time step [time].
-    """
-
-    def __init__(self, sides: list[Side], size: float, step: float) -> None:
-        self.sides, self.times = sides, 2.0 if len(sides) == 1 else 1.0
-        self._share = step**2 * size
-        inertia = sum(1 / side.root**2 for side in sides)
-        self.compliance: Array = np.asarray(self._share * self.times * inertia)
-
-    def of(self, name: str) -> Array:
-        """Return the jump of a vector of the bodies, (n,) [length]."""
-        total = sum(s.sign * getattr(s.body, name)[s.unknowns] / s.root for s in self.sides)
-        return np.asarray(self.times * total)
-
-    def push(self, traction: Array, part: float) -> float:
-        """Apply a traction to the upper face and its opposite to the lower one; return its work.
-
-        The work is times the square of the step, as energies of bodies are.
-        """
-        impulse = part * self._share * traction
-        for side in self.sides:
-            side.body.increment[side.unknowns] += side.sign * impulse / side.root
-        mean = (self.of("before") + self.of("increment")) / 2
-        return float(impulse @ mean)
-
-
 class LineModel:
     """The bodies of a line, its faces, and the state of its friction, at a time level."""
 
@@ -137,21 +92,23 @@ class LineModel:
             block.absorption(body.root, step)
             for block, body in zip(blocks, self.bodies, strict=True)
         ]
-        self.sliding = self._jump(Z if line.antiplane else X)
-        self.pressing = self._jump(Y) if line.opens else None
+        self.sliding = self._pair(Z if line.antiplane else X)
+        self.pressing = self._pair(Y) if line.opens else None
         self.state = line.state
         (self.pressure, _), (self.shear, _) = line.pressure(0.0), line.shear(0.0)
         self.strength = np.zeros(len(line.x))
         self.felt = self.pressure[line.touching]
         self.pushed = self.absorbed = self.imbalance = 0.0
 
-    def _jump(self, component: int) -> Jump:
-        sides = []
+    def _pair(self, component: int) -> FacePair:
+        faces = []
         for block, body in zip(self.blocks, self.bodies, strict=True):
             count = len(block.components)
             unknowns = slice(block.components.index(component), count * block.columns, count)
-            sides.append(Side(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0))
-        return Jump(sides, self.line.spacing, self.step)
+            faces.append(
+                ContactFace(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0)
+            )
+        return FacePair(faces, self.line.spacing, self.step)
 
     def kick(self, level: int, part: float) -> None:
         """Kick the bodies at a time level by internal forces, far sides and the interface."""
@@ -193,27 +150,26 @@ class LineModel:
         if self.pressing is None:
             return
         line, slot = kick_tractions(self.line.pressure, level * self.step)
-        jump, on = self.pressing, self.line.touching
-        needed = contact_pressure(
-            jump.of("displacement"), jump.of("increment"), line, part * jump.compliance
-        )
+        faces, on = self.pressing, self.line.touching
+        compliance = part * faces.compliance
+        needed = contact_pressure(faces.offset(), faces.increment(), line, compliance)
         before, self.pressure = self.pressure, np.where(on, needed, slot)
         self._past = before
-        self.pushed += jump.push(self.pressure - line, part)
+        self._push(faces, self.pressure - line, part)
 
     def _slide(self, level: int, part: float) -> None:
         line, slot = kick_tractions(self.line.shear, level * self.step)
-        jump, on, friction = self.sliding, self.line.touching, self.line.friction
+        faces, on, friction = self.sliding, self.line.touching, self.line.friction
         plate = self.line.plate_rate
         pressure = self.pressure[on]
         if level:
-            speed = np.abs(jump.of("before")[on] / self.step + plate)
+            speed = np.abs(faces.past_increment()[on] / self.step + plate)
             past = pressure if self.pressing is None else self._past[on]
             changing = speed, self.step, past, pressure
             self.state = np.asarray(friction.evolved_under(self.state, *changing))
             self.felt = friction.felt_pressure(self.felt, *changing)
-        compliance = part * jump.compliance
-        stopping = (line + (jump.of("increment") + plate * self.step) / compliance)[on]
+        compliance = part * faces.compliance
+        stopping = (line + (faces.increment() + plate * self.step) / compliance)[on]
         impedance = (self.step / compliance)[on]
         touches, size = pressure > 0, np.abs(stopping)
         felt = np.where(touches, self.felt, 1.0)  # nothing rubs an open pair, whatever its law
@@ -223,15 +179,19 @@ class LineModel:
         self.shear[on] = stopping - np.sign(stopping) * impedance * speed
         self.strength[on] = touches * friction.strength(self.felt, speed, self.state)
         # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
-        self.pushed += jump.push(line - self.shear, part)
+        self._push(faces, line - self.shear, part)
+
+    def _push(self, faces: FacePair, traction: Array, part: float) -> None:
+        impulse = faces.push(traction, part)
+        self.pushed += float(impulse @ faces.mean_increment())
 
     def slip(self, level: int) -> Array:
         """Return the slip at a level, (n,) [length]."""
-        return self.sliding.of("displacement") + self.line.plate_rate * level * self.step
+        return self.sliding.offset() + self.line.plate_rate * level * self.step
 
     def gap(self) -> Array:
         """Return the gap, (n,) [length]."""
-        return 0 * self.shear if self.pressing is None else self.pressing.of("displacement")
+        return 0 * self.shear if self.pressing is None else self.pressing.offset()
 
 
 def kick_tractions(tractions: Tractions, time: float) -> tuple[Array, Array]:

@@ -21,8 +21,7 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
 def log_share(part: Array, whole: Array, rest: Array) -> Array:
-    """Return ln(part / whole) with part + rest = whole, accurate for small part and for small
-    rest."""
+    """Return ln(part / whole), accurate for small part and for small rest = whole - part."""
     share = rest / whole
     near = np.abs(share) > 0.5
     return np.where(near, np.log(part / whole), np.log1p(-np.where(near, 0.0, share)))
@@ -49,10 +48,7 @@ class Phase:
         return Phase(*(part[index] for part in every))
 
     def chord_integral(self, to_left: Array, to_right: Array) -> Array:
-        """Return the integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
-
-        It is accurate near the panels and far from them.
-        """
+        """Return the integral of chord(w) / (w - v); to_left = v - left, to_right = v - right."""
         share = self.width / to_left
         log = np.log(np.abs(to_right / to_left))
         linear = log / share + 1
@@ -74,8 +70,6 @@ class CanonicalFunction:
 
     Attributes
     ----------
-    factors : RayleighFactors
-    panels : Panels
     resistance : array that broadcasts to (p, ..., n), or None
         eta = dtau/d|V| at the nodes [mu b], of the one-sided slip rate; None if strength does not
         depend on slip rate.  Slip that covers c is then to be cut there.
@@ -92,8 +86,7 @@ class CanonicalFunction:
 
     @cached_property
     def impedance(self) -> tuple[Array, Array]:
-        """M at the nodes: real part (h, ..., n) ahead of the shear front, imaginary part (p, ...,
-        n)."""
+        """Real part of M ahead of b (h, ..., n), and imaginary part, (p, ..., n), at the nodes."""
         at, ahead = self.panels.at, self.layout.ahead
         imag = np.empty_like(at.v)
         real, imag[:ahead] = self.factors.impedance_ahead(at[:ahead])
@@ -158,9 +151,8 @@ class CanonicalFunction:
 
     @cached_property
     def _turn(self) -> Phase:
-        """Phase of (M + eta) / M on panels that slip, as chord and rest.
-
-        On the unbounded panel the chord is a function that decreases like 1 / v from its start.
+        """Phase of (M + eta) / M on panels that slip; on the unbounded one the chord falls like 1 /
+        v.
         """
         panels, slip = self.panels, self.layout.slip
         _, turn = self.excess_impedance
@@ -180,8 +172,7 @@ class CanonicalFunction:
 
     @cached_property
     def _log_of_resistance(self) -> Array:
-        """Contribution of resistance to ln X, (p, ..., n): the phase of (M + eta) / M over w -
-        v."""
+        """Integral of the phase of (M + eta) / M over w - v, a part of ln X, (p, ..., n)."""
         panels, layout, turn = self.panels, self.layout, self._turn
         if not len(layout.slip):
             return np.zeros_like(panels.jacobian)
@@ -218,10 +209,7 @@ class CanonicalFunction:
 
     @cached_property
     def _resistance_integral_at_c(self) -> Array:
-        """Contribution of resistance to ln X at c where an opening covers it, (..., 1).
-
-        The interface slides freely there.
-        """
+        """That part at c, where an opening covers it and the interface slides freely, (..., 1)."""
         panels, turn = self.panels, self._turn
         from_c, ends = panels.at.from_c, panels.ends.from_c
         rest = turn.rest / from_c[self.layout.slip] @ panels.rule.weights
@@ -247,11 +235,7 @@ class CanonicalFunction:
 
     @cached_property
     def values(self) -> Array:
-        """X, without the phase of M / (M + eta), on panels that slip, and X / M_+ on panels that
-        stick.
-
-        Both are real, (p, ..., n).
-        """
+        """X but for the phase of M / (M + eta) on slip, X / M_+ on stick, real, (p, ..., n)."""
         panels, layout, factors = self.panels, self.layout, self.factors
         from_root, from_c = np.abs(panels.at.parts[factors.root]), panels.at.from_c
         # One square root of the product of all distances is cheaper than one for each.

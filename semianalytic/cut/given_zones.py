@@ -27,12 +27,9 @@ class GivenZones:
 
     Attributes
     ----------
-    factors : RayleighFactors
-    load : Load
     zones : tuple of Zone
         From the longitudinal front inward, in slowness; their edges may hold several
         neighbouring sets at once (see `panels`).
-    rule : Rule
     tail : bool
         Whether the fields behind the last edge are included.
     closing : tuple of (edge, r)
@@ -69,15 +66,13 @@ class GivenZones:
 
     @property
     def _beside_resistance(self) -> tuple[float, float]:
-        """Strip of analyticity, over pi, and additional length in y, of slip under strong
-        resistance.
-
-        They apply to slip up to the contact edge: M + eta vanishes at about v = i eta / kappa.
+        """Strip of analyticity over pi, and more length in y, of slip up to an edge under strong
+        films.
         """
         edge = self.zones[-1].left if self.zones and self.zones[-1].right is None else None
         if edge is None or self.load.resistance is None:
             return 1.0, 0.0
-        # Modulus of that zero over the slowness of the edge.
+        # M + eta vanishes at about v = i eta / kappa: its modulus over the slowness of the edge.
         root = float(np.max(np.abs(self.load.resistance))) / self.factors.kappa / edge.first[0]
         return 1 - float(np.arctan(root)) / np.pi, float(np.log1p(root))
 

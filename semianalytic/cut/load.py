@@ -1,5 +1,4 @@
-"""Convert a scene to the load of the solver: tractions in one unit of stress, and what is
-refused."""
+"""Convert a scene to the load of the solver, in one unit of stress; refuse what opens wholly."""
 
 from __future__ import annotations
 
@@ -124,8 +123,7 @@ class Load:
 
     @property
     def frictionless(self) -> np.ndarray:
-        """Whether no friction resists slip, or only as much as rounding takes from the step of
-        shear; () or (k,)."""
+        """Whether no friction resists slip, or only rounding of the step of shear; () or (k,)."""
         strength = np.asarray(per_set(self.friction)) * max(self.base_pressure, self.load_pressure)
         # Below this, the sum of strength and load has no digit of the strength.
         negligible = 1e-15 * abs(self.load_shear)  # what rounding takes from the step
@@ -150,8 +148,7 @@ class Load:
         return not (self.load_shear or drives or self.far_slip_rate)
 
     def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
-        """Return the contact pressure at points on the cut, any shape [stress unit]; 0 where
-        open."""
+        """Return the contact pressure at points on the cut [stress unit]; 0 where it is open."""
         if self.opened is not None:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
@@ -209,11 +206,9 @@ def _in_unit(
 def _at_friction(
     friction: float, pressure: float, shear: float, far_slip_rate: float | Array
 ) -> tuple[float, float]:
-    """Return pressure and shear of a base, put exactly at friction if only rounding keeps it off.
-
-    An edge that rounding keeps off a front has no place in double precision.
-    """
+    """Return pressure and shear of a base, put at friction if only rounding keeps it off."""
     strength = friction * pressure
+    # An edge that rounding keeps off a front has no place in double precision.
     if far_slip_rate or abs(abs(shear) - strength) > CRITICAL_BASE * strength:
         return pressure, shear
     return pressure, float(np.copysign(strength, shear))
@@ -232,10 +227,9 @@ def check_pressure(scene: Scene) -> None:
 
 
 def contact_opens(scene: Scene) -> bool:
-    """Return whether the contact opens.
+    """Return whether the contact opens: at its edge for P_0 < 0, else at the Rayleigh front.
 
-    It opens at its edge for P_0 < 0. For P_0 > 0 it opens at the Rayleigh front first, if P_b + P_0
-    p*(c) < 0 (docs/separation.md, "The normal problem").
+    There P_b + P_0 p*(c) < 0 (docs/separation.md, "The normal problem").
     """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed

@@ -39,8 +39,7 @@ _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 
 
 def stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
-    """Yield central differences, and one-sided ones for neighbours with other panels on one
-    side."""
+    """Yield central differences, and one-sided ones for neighbours of other panels."""
     # Beside a change of the set of zones a tenth of the step may still stay on this side.
     for size in (step, step / 10):
         yield Stencil(*central, size)
@@ -82,20 +81,13 @@ class NodeFields:
 
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:
-        """Return the fields of a profile; for k sets of zones, with an axis of k as
-        `difference` has it."""
-        panels, rate, traction = profile.panels, profile.rate_starts, profile.traction_starts
-        return cls(
-            profile.rate_integral.density * panels.jacobian,
-            profile.traction_integral.density * panels.jacobian,
-            rate,
-            traction,
-            panels.ends.parts,
-            panels.skew,
-            *_of_powers(profile),
-            profile.tail,
-            np.asarray(profile.edge_intensity),
-        )
+        """Return the fields of a profile, with an axis for k sets as `difference` has it."""
+        panels = profile.panels
+        integrals = profile.rate_integral, profile.traction_integral
+        parts = [one.density * panels.jacobian for one in integrals]
+        parts += [profile.rate_starts, profile.traction_starts, panels.ends.parts, panels.skew]
+        parts += [*_of_powers(profile), profile.tail, np.asarray(profile.edge_intensity)]
+        return cls(*parts)
 
     @classmethod
     def zero(cls, profile: Profile) -> NodeFields:
@@ -110,11 +102,8 @@ class NodeFields:
     def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
         """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
         parts, count = [], len(stencil.weights)
-        for every, axis in zip(
-            zip(*(one._parts for one in beside), strict=True),
-            (1, 1, 1, 1, 2, 1, 1, 1, 0, 0),
-            strict=True,
-        ):
+        fields_of = zip(*(one._parts for one in beside), strict=True)
+        for every, axis in zip(fields_of, (1, 1, 1, 1, 2, 1, 1, 1, 0, 0), strict=True):
             values = np.stack(every, axis) if len(beside) > 1 else every[0]
             # Numbers that all sets share have no axis of sets, and their difference is 0.
             if axis == 0:
@@ -129,10 +118,8 @@ class NodeFields:
     @property
     def of_resting_panels(self) -> NodeFields:
         """The part of the derivatives that is left if panels and the exponents of X are held."""
-        resting = {
-            name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
-        }
-        return replace(self, **resting)
+        moved = ("ends", "skew", "exponents")
+        return replace(self, **{name: np.zeros_like(getattr(self, name)) for name in moved})
 
 
 def _of_powers(profile: Profile) -> tuple[Array, Array]:

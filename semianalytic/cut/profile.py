@@ -53,9 +53,8 @@ class Profile:
 
     @cached_property
     def edge_intensity(self) -> Array:
-        """K_II (K_III) over that of a unit shear step on a stuck interface, () or (k,).
-
-        It is 0 if the edge slips.
+        """K_II (K_III) over that of a unit step on a stuck interface, () or (k,); 0 if the edge
+        slips.
         """
         if self.edge_slips:
             return np.zeros(())
@@ -68,8 +67,7 @@ class Profile:
 
     @property
     def tail(self) -> Array:
-        """Limit of v^2 dV/dv at the contact edge, () or (k,); 0 where it sticks, or under a
-        film."""
+        """Limit of v^2 dV/dv at the edge, () or (k,); 0 where it sticks, or under a film."""
         if not self.edge_slips or self._load.resists_rate:
             return np.zeros(())
         # T tends to a constant at a slipping edge and M to i kappa v: dV/dv ~ T / (pi kappa v^2).
@@ -78,8 +76,7 @@ class Profile:
 
     @cached_property
     def traction_integral(self) -> PanelIntegral:
-        """Running integral of traction on panels that stick, less the part unbounded at a stuck
-        edge."""
+        """Running integral of traction on stick, less the part unbounded at a stuck edge."""
         slope = self.fields.traction_slope
         if not self.edge_slips:
             slope = slope.copy()
@@ -187,10 +184,8 @@ class Profile:
         return np.array(self.panels.layout.open)
 
     def _excess(self, region: list[int], strength: Array, traction: Array) -> Array:
-        """Return |tau| - f p in a stretch of stick, relative to strength plus load.
-
-        In a narrow gap it is relative to strength plus a share of the load. f p and tau have the
-        shape (p, ..., n).
+        """Return |tau| - f p (p, ..., n) on stick, over strength plus load, or its share in narrow
+        gaps.
         """
         panels = self.panels
         right = panels.right[region[-1]]
@@ -205,8 +200,7 @@ class Profile:
 
     @cached_property
     def largest_rate(self) -> Array:
-        """Largest |V| at the nodes, () or (k,), away from borders of the opening where V is
-        infinite."""
+        """Largest |V| at the nodes, () or (k,), off borders of the opening of infinite rate."""
         size = np.abs(self.slip_rate_at_nodes)
         for power in self.rate_integral.powers:
             # Slip rate is infinite there; half and twice change the largest by up to 16 %, but no
@@ -217,12 +211,10 @@ class Profile:
 
     @cached_property
     def wrong_at_nodes(self) -> Array:
-        """Amount by which Coulomb's law is violated at the nodes, (p, ..., n); the law requires <=
-        0.
+        """Violation of Coulomb's law at the nodes, (p, ..., n), positive where it fails.
 
-        Where the interface slips it is the slip rate against the sense of the zone, over the
-        largest slip rate. Where it sticks it is |tau| - f p, relative to strength plus load, or in
-        a narrow gap plus a share of the load. Where the contact is open the law requires nothing.
+        On slip it is the rate against the sense of the zone over the largest rate, on stick as
+        `_excess`; where the contact is open the law asks nothing.
         """
         panels, rate = self.panels, self.slip_rate_at_nodes
         sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
@@ -235,11 +227,7 @@ class Profile:
         return result
 
     def wrong(self, panel: int, at: CutPoints) -> Array:
-        """Return the violation of Coulomb's law at points (m,) inside a panel, like
-        `wrong_at_nodes`.
-
-        It is for one set of zones.
-        """
+        """Return `wrong_at_nodes` at points (m,) inside a panel, for one set of zones."""
         sense = self.panels.sense[panel]
         if self._open[panel]:
             return np.full(at.v.shape, _LAWFUL)
@@ -262,15 +250,13 @@ class Profile:
     @cached_property
     def edge_slip_rate(self) -> float:
         """V at the contact edge."""
-        return (
-            float(self.rate_starts[-1] + self.rate_integral.totals[-1]) if self.edge_slips else 0.0
-        )
+        rate = self.rate_starts[-1] + self.rate_integral.totals[-1]
+        return float(rate) if self.edge_slips else 0.0
 
     def piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        """Return a field at slownesses (m,) from its value ahead of all waves and inside each
-        panel."""
+        """Return a field at slownesses (m,) from its value ahead of all waves and inside panels."""
         return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
 
     def _piecewise_at(
@@ -317,8 +303,7 @@ class Profile:
         return self._pressure_at(self.fields.factors.cut(u)) - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
-        """Return the strength f p at slownesses u, the largest traction that a stuck interface
-        carries."""
+        """Return the strength f p at slownesses u."""
         return self._strength_at(self.fields.factors.cut(u))
 
     def _strength_at(self, at: CutPoints) -> Array:
@@ -326,22 +311,15 @@ class Profile:
         return np.asarray(self._load.friction * self._pressure_at(at))
 
     def _pressure_at(self, at: CutPoints) -> Array:
-        """Return the contact pressure at points on the cut, any shape; 0 where it is open.
-
-        The pressure is small beside an opening. It is therefore computed on the panels of slip, so
-        that it is accurate relative to itself.
-        """
+        """Return the contact pressure at points on the cut, any shape; 0 where it is open."""
         if self.normal is None:
             return self._load.pressure(self.fields.factors, at)
+        # On the panels of slip the small pressure beside an opening is accurate to itself.
         seen = self.fields.factors.seen_in_plane(CutPoints(at.parts.reshape(4, -1)))
         return -self.normal.traction_at(seen).reshape(at.v.shape)
 
     def carried(self, v: Array, speed: Array, is_open: bool | np.ndarray = False) -> Array:
-        """Return the traction in the sense of slip at slownesses v, f p + eta V; 0 where it is
-        open.
-
-        `speed` is V in that sense.
-        """
+        """Return the traction f p + eta V under |V| = `speed`; 0 where the contact is open."""
         if self._load.linearised is not None:
             return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
@@ -350,8 +328,7 @@ class Profile:
 
     @cached_property
     def carried_at_nodes(self) -> Array:
-        """Traction in the sense of slip at the nodes of panels that slip, (p, n); meaningless
-        elsewhere."""
+        """That traction at the nodes of panels that slip, (p, n); meaningless elsewhere."""
         sense = np.array(self.panels.sense)[:, None]
         return self.carried(self.panels.at.v, sense * self.slip_rate_at_nodes, self._open[:, None])
 
@@ -360,11 +337,7 @@ class Profile:
         return self.carried(v, speed, bool(self._open[panel]))
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
-        """Return V in the sense of a slipping panel at points inside it, where traction depends on
-        it.
-
-        It is 0 elsewhere.
-        """
+        """Return V in the sense of a slipping panel where traction depends on it; else 0."""
         if not self._load.resists_rate:
             return np.zeros(at.v.shape)
         return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
@@ -380,11 +353,8 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             if sense := self.panels.sense[i]:
                 return sense * self.carried_inside(i, at.v, self._speed(i, at))
-            return (
-                self.traction_starts[i]
-                + self.traction_integral(i, at)
-                + self._edge_traction(i, at.v)
-            )
+            gained = self.traction_starts[i] + self.traction_integral(i, at)
+            return gained + self._edge_traction(i, at.v)
 
         # Slip ahead of all waves radiates -mu b V(inf).
         return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)

@@ -9,25 +9,10 @@ from semianalytic.cut.load import Load
 
 @dataclass(frozen=True)
 class Rates:
-    """Derivatives of the load and the material with respect to a parameter.
+    """Derivatives with respect to a parameter: of the fields of `Load`, and of nu (1 or 0).
 
-    Attributes
-    ----------
-    friction : float
-        Derivative of the coefficient.
-    base_pressure, base_shear, load_pressure, load_shear : float
-        Derivatives of tractions [stress unit].
-    far_slip_rate : float
-        Derivative of V(inf) [stress unit / (mu b)].
-    resistance : float
-        Derivative of eta [mu b].
-    poisson_ratio : float
-        1 for the Poisson ratio itself.
-    slowness : float
-        Derivative of the slowness p of the front of the load [b].
-    front_excess : float
-        Derivative of the base shear less friction, where slip starts at the longitudinal front of
-        a base at friction; the base ahead of it then sticks [stress unit].
+    `front_excess` is that of the base shear less friction, where slip starts at the longitudinal
+    front of a base at friction; the base ahead of it then sticks [stress unit].
     """
 
     friction: float = 0.0
@@ -60,16 +45,8 @@ class Rates:
         # A change of pressure moves the ends of the opening, and fields are not linear in these.
         if self.nonlinear or (load.opened and self.of_pressure):
             return None
-        friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
+        moved = ["base_shear", "load_shear", "far_slip_rate", "base_pressure", "load_pressure"]
         # d(f p) = df p + f dp, of which one part is zero.
         if self.friction or load.opened:  # whose pressure stays
-            friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
-        return replace(
-            load,
-            friction=friction,
-            base_pressure=pressures[0],
-            base_shear=self.base_shear,
-            load_pressure=pressures[1],
-            load_shear=self.load_shear,
-            far_slip_rate=self.far_slip_rate,
-        )
+            moved[3:] = ["friction"]
+        return replace(load, **{name: getattr(self, name) for name in moved})

@@ -62,16 +62,13 @@ class ZoneSlopes(ZoneTransform):
 
     @cached_property
     def _reduced_at_c(self) -> Array:
-        """X (Re C + R) at the Rayleigh front where slip covers it, (1,) or (k, 1).
-
-        The nodes straddle c evenly, so that a sum over them is a principal value (docs/solver.md,
-        "Quadrature").
-        """
+        """X (Re C + R) at c where slip covers it, (1,) or (k, 1)."""
         panels, (sources, imag) = self.panels, self._pressure.sources
         driven, slowness = self._first_constant, self.load.slowness
         if slowness:
             driven = driven + self.amplitude * slowness / (self.factors.c - slowness)
         if len(sources):
+            # Nodes straddle c evenly: the sum over them is a principal value.
             sums = panels.integrals(imag / panels.at.from_c)[sources].sum(axis=0)
             driven = driven - sums[..., None] / np.pi
         for edge, amount in self._terms:

@@ -42,8 +42,7 @@ class SlotFaces:
 
     @cached_property
     def _direct(self) -> tuple[PanelIntegral, PanelIntegral]:
-        """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure on the upper slot
-        face."""
+        """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure."""
         factors, panels = self.fields.factors.in_plane, self._panels
         shear, pressure = self._transforms(panels.at.v)
 

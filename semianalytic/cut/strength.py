@@ -31,8 +31,6 @@ class PressurePart:
 
     Attributes
     ----------
-    load : Load
-    canonical : CanonicalFunction
     sense : int
         s, the sense of the zone next to the contact edge; 0 without zones.
     opened : (p, ..., n) array or None
@@ -94,11 +92,9 @@ class PressurePart:
 
     @cached_property
     def mode_ratio(self) -> tuple[Array, Array]:
-        """M_+^I / M_+ at the nodes: real part, and imaginary part, which is 0 behind the shear
-        front.
+        """M_+^I / M_+ at the nodes: real part, and imaginary part ahead of the shear front.
 
-        In mode II it is -i sqrt((b - v) / (v - a)) ahead of the shear front, where the real part is
-        left out, and sqrt((v - b) / (v - a)) behind it.
+        In mode II it is -i sqrt((b - v) / (v - a)) there, and the real part holds its modulus.
         """
         canonical, ahead = self.canonical, self.canonical.layout.ahead
         at, factors = canonical.panels.at, canonical.factors
@@ -119,9 +115,8 @@ class PressurePart:
 
     @cached_property
     def ratio_less_edge(self) -> Array:
-        """M_+^I / M_+ over its limit at the contact edge, less 1, on the last panel, (..., n).
-
-        No digits are lost close to the edge.
+        """M_+^I / M_+ over its limit at the edge, less 1, on the last panel, (..., n), to all
+        digits.
         """
         at, factors = self.canonical.panels.at[-1], self.canonical.factors
         if factors.mode == "II":

@@ -95,11 +95,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     """
     unit = np.ones_like(profile.panels.at.v)
     total = contact_integral(profile, unit)
-    against = [
-        (inner, outer)
-        for inner, outer, sense in zones
-        if sense != _named_sense(profile, inner, outer)
-    ]
+    against = [ends for *ends, sense in zones if sense != _named_sense(profile, *ends)]
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
@@ -110,10 +106,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
 
 
 def _named_sense(profile: Profile, inner: float, outer: float) -> int:
-    """Return the nominal sense of the panel between two velocities over c_t.
-
-    outer inf is ahead of all waves.
-    """
+    """Return the nominal sense of the panel between two velocities over c_t, inf ahead of waves."""
     between = 0.5 / max(inner, EARLIEST) if np.isinf(outer) else 2 / (inner + outer)
     lefts = [left.v[0] for left in profile.panels.left]
     return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
@@ -124,13 +117,11 @@ def running_integrals(
 ) -> Array:
     """Return integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    The result at u (m,) is (2, m), in units b = mu = 1, with the one-sided slip rate. `weight` is a
-    function of panel, slowness and |V|, which is V times the sense of its panel. The first integral
-    is negative where the interface slips ahead of all waves and u is there. The rule is finer than
-    that of the panels: beyond the ends of the panels the second
-    integrand grows in another way than the slip rate, which shows between nodes.
+    They are (2, m), one-sided, b = mu = 1; `weight` is a function of panel, slowness and |V|.  The
+    first is negative where the interface slips ahead of all waves and u is there.
     """
     panels = profile.panels
+    # Beyond the ends of panels the second integrand grows in another way than the slip rate.
     # On the rule of the panels work between nodes was off by up to four tolerances, so by 0.1.
     rule = finer_rule(panels.rule, 0.8, panels.rule.further)
     front = panels.left[0].v[0]
@@ -159,11 +150,7 @@ def running_integrals(
 def _beside_opening(
     profile: Profile, rate: Power, at: CutPoints, weight: Callable[[int, Array, Array], Array]
 ) -> Array:
-    """Return the same two integrals gained on a closed panel beside an opening, (2, m).
-
-    At its right end the slip rate is infinite, and weight |V| is a power as well, perhaps a barely
-    integrable one.
-    """
+    """Return both integrals gained on a closed panel with a power at its right end, (2, m)."""
     panels, panel = profile.panels, rate.panel
     left, right, v = panels.left[panel], panels.right[panel], panels.at.v[panel]
     assert right is not None
@@ -186,11 +173,7 @@ def _beside_opening(
 
 
 def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoints, CutPoints]]:
-    """Yield parts of a panel in which the slip rate is singular at ends only, up to slowness
-    `most`.
-
-    A panel that covers c is divided there.
-    """
+    """Yield parts of a panel with singular slip rate at ends only, up to slowness `most`."""
     panels, factors = profile.panels, profile.fields.factors
     right = panels.right[panel]
     ends = [panels.left[panel]]
@@ -211,18 +194,11 @@ def _density(
     weight: Callable[[int, Array, Array], Array],
     rule: Rule,
 ) -> Array:
-    """Return weight |V| / v^2 and weight |V| at the nodes of a rule between two points, times
-    dv/dy.
-
-    The result is (2, n).
-    """
+    """Return weight |V| / v^2 and weight |V| times dv/dy at nodes between two points, (2, n)."""
     left, right = ends
     width = right.minus(left)
-    at = CutPoints(
-        np.where(
-            rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
-        )
-    )
+    near_left, near_right = width * rule.share, width * rule.share[::-1]
+    at = CutPoints(np.where(rule.y < 0, left.parts + near_left, right.parts - near_right))
     speed = profile.panels.sense[panel] * profile.slip_rate_inside(panel, at)
     power = weight(panel, at.v, speed) * speed * width * rule.bell
     # d xi = dv / v^2 turns an integral over velocities into one over slownesses.
@@ -230,7 +206,6 @@ def _density(
 
 
 def _summed(values: Array, spacing: float) -> float:
-    """Return the trapezoidal sum of values (n,) that continue beyond the last as a geometric
-    series."""
+    """Return the trapezoidal sum of values (n,) that go on as a geometric series."""
     ratio = values[-1] / values[-2] if values[-2] else 0.0
     return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

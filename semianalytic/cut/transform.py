@@ -44,21 +44,16 @@ class ZoneTransform(GivenZones):
 
     @cached_property
     def normal(self) -> Self | None:
-        """The normal problem on these panels, minus pressure for traction; None if all is
-        closed."""
+        """The normal problem on these panels, minus pressure for traction; None if closed."""
         opened = self.load.opened
         if opened is None:
             return None
-        factors, seen = (
-            rayleigh_factors(self.factors.poisson_ratio, "I"),
-            self.factors.seen_in_plane,
-        )
-        panels = self.panels
+        seen, panels = self.factors.seen_in_plane, self.panels
         if not self.factors.has_rayleigh_wave:
             panels = panels.seen_by(seen)
         return replace(
             self,
-            factors=factors,
+            factors=rayleigh_factors(self.factors.poisson_ratio, "I"),
             load=normal_load(opened.base, opened.step, opened.slowness),
             zones=(opened.zone.seen_by(seen),),
             closing=tuple((seen(edge), amount) for edge, amount in opened.closing),
@@ -71,12 +66,10 @@ class ZoneTransform(GivenZones):
         canonical, count = self.canonical, len(self.panels.sense)
         if self.normal is None:
             return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
-        normal = self.normal
         # The normal problem has minus the pressure for traction, hence the signs.
-        opened, at_edge = -normal.stick_transform, -normal.constant
-        return PressurePart(
-            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
-        )
+        opened, at_edge = -self.normal.stick_transform, -self.normal.constant
+        slipping = self.normal.layout.slipping
+        return PressurePart(self._resolved, canonical, sense, opened, slipping, at_edge)
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -112,8 +105,7 @@ class ZoneTransform(GivenZones):
 
     @cached_property
     def _first_constant(self) -> Array:
-        """R without the terms of closing edges and far in, where its factor is 1, (1,) or (k,
-        1)."""
+        """R without closing edges and far in, where its factor is 1, (1,) or (k, 1)."""
         panels, value = self.panels, self.amplitude
         sources, imag = self._pressure.sources
         if len(sources):
@@ -129,8 +121,7 @@ class ZoneTransform(GivenZones):
         return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
 
     def _share(self, edge: CutPoints) -> Array:
-        """Return 1 / (k + e) - 1 / e at k = -v, (p, ..., n), for a closing edge e that ends a
-        panel."""
+        """Return 1 / (k + e) - 1 / e at k = -v, (p, ..., n), for a closing edge e."""
         return self.panels.at.v / edge.v * self._pole(edge)
 
     def _pole(self, edge: CutPoints) -> Array:
@@ -178,12 +169,9 @@ class ZoneTransform(GivenZones):
 
     @cached_property
     def transform_at_edge(self) -> Array:
-        """Limit of T at a contact edge that slips, (1,) or (k, 1).
-
-        The pressure contributes only where the contact is open there.
-        """
+        """Limit of T at a contact edge that slips, (1,) or (k, 1)."""
         value = np.sign(self.canonical.values[-1, ..., -1:]) * self.constant
-        if self.normal is not None and self.layout.open[-1]:
+        if self.normal is not None and self.layout.open[-1]:  # elsewhere pressure adds nothing
             weight = self._pressure.sense * self.load.friction
             value = value - weight * self.normal.transform_at_edge
         return np.asarray(value)
@@ -227,13 +215,14 @@ class ZoneTransform(GivenZones):
 
     @cached_property
     def stick_transform_excess(self) -> Array:
-        """T / M_+ less its limit at a stuck contact edge on the last panel, (..., n), without
-        loss."""
+        """T / M_+ less its limit at a stuck edge on the last panel, (..., n), to all digits."""
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
             cauchy = cauchy + amount * self._pole(edge)[-1]
-        beyond = self._beyond_factor
-        if self.load.slowness:
+        # v / (v - p) - 1, without loss.
+        slowness = self.load.slowness
+        beyond = slowness / (self.panels.at.v[-1] - slowness) if slowness else 0.0
+        if slowness:
             cauchy = cauchy + self.amplitude * beyond
         # (1 + growth)(R + C) - R, rearranged so that no digits cancel.
         excess = growth * (cauchy + self.constant) + cauchy
@@ -245,9 +234,3 @@ class ZoneTransform(GivenZones):
             return excess + pressure.amount_at_edge * (ratio + beyond * (1 + ratio))
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
         return excess + pressure.amount_on(-1) * ratio + gained
-
-    @property
-    def _beyond_factor(self) -> float | Array:
-        """v / (v - p) - 1 on the last panel, (..., n), without loss; 0 for p = 0."""
-        slowness = self.load.slowness
-        return slowness / (self.panels.at.v[-1] - slowness) if slowness else 0.0

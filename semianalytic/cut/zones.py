@@ -1,15 +1,12 @@
 """Compute the exact fields of given slip zones by solving a Riemann-Hilbert problem (section 4).
 
-Four files follow docs/theory.md in its order: `given_zones` lays panels and forms the canonical
-function X, which determines the behaviour at each edge; `transform` forms T = s f P + X (C + R), of
-whose sources of C `strength` holds the pressure; `slopes` turns T into those of slip rate and
-traction; and here the slip rate is made to vanish where it must, and the conditions at the edges
-are formed. `ZoneFields.mismatch` is what is left of these; Newton's method forms its Jacobian from
-neighbouring zones (`selfsimilar.zones.edges`).
+Four files follow docs/theory.md in its order: `given_zones`, `transform` (with `strength`),
+`slopes`, and here, where the slip rate is made to vanish where it must and the conditions at the
+edges are formed.  `ZoneFields.mismatch` is what is left of these (`selfsimilar.zones.edges`).
 
-Slip that meets resistance has an additional term r / (k + e) of T where it borders on an opening:
-V, or its finite part, is 0 there (docs/rate.md, "A film that opens"). So has a zone that ends with
-its opening.
+Slip that meets resistance has a further term r / (k + e) of T where it borders on an opening: V, or
+its finite part, is 0 there (docs/rate.md, "A film that opens").  So has a zone that ends with its
+opening.
 """
 
 from __future__ import annotations
@@ -35,10 +32,7 @@ class ZoneFields(ZoneSlopes):
 
     @cached_property
     def borders(self) -> tuple[tuple[int, Array], ...]:
-        """Pairs (panel, exponent of X, (..., 1)) for each border of the opening under resistance.
-
-        The border is the right end of the panel.
-        """
+        """Pairs (panel that ends there, exponent of X (..., 1)) of borders under resistance."""
         canonical, layout = self.canonical, self.layout
         if canonical.resistance is None or self.load.opened is None:
             return ()
@@ -56,10 +50,7 @@ class ZoneFields(ZoneSlopes):
 
     @cached_property
     def _vanishing(self) -> tuple[tuple[int, CutPoints], ...]:
-        """Pairs (panel, its right end) at which an additional term makes the slip rate vanish.
-
-        These are the borders of the opening, and ends of zones where the opening closes.
-        """
+        """Pairs (panel, right end) where a term makes V vanish: borders and closing ends."""
         panels, zone = self.panels, np.array(self.layout.zone)
         held = [
             int(np.flatnonzero(self.layout.slipping & (zone == index))[-1])
@@ -71,8 +62,7 @@ class ZoneFields(ZoneSlopes):
 
     @cached_property
     def _sharp(self) -> tuple[PanelIntegral, ...]:
-        """Slip rates of unit terms r / (k + e), one for each edge at which the slip rate
-        vanishes."""
+        """Slip rates of unit terms r / (k + e), one for each edge where V vanishes."""
         panels, exponents = self.panels, dict(self.borders)
         result = []
         for panel, edge in self._vanishing:
@@ -91,17 +81,13 @@ class ZoneFields(ZoneSlopes):
         return tuple(result)
 
     def _jumps_at(self, panel: int) -> bool:
-        """Return whether slip rate and traction jump at a border, which requires a real impedance.
-
-        M is real ahead of the shear front in antiplane shear.
-        """
+        """Return whether V and traction jump at a border: M is real, ahead of b in mode III."""
         ahead = panel + 1 < self.layout.ahead and not self.factors.has_rayleigh_wave
         return ahead and panel in dict(self.borders)
 
     def _jump(self, panel: int, edge: CutPoints) -> tuple[Array, Array]:
-        """Return the slip rate ahead of a border and its jump, per term r, (..., 1).
-
-        The traction falls from eta V to 0 there.
+        """Return V ahead of a border, where traction falls from eta V, and its jump per r, (...,
+        1).
         """
         canonical, row = self.canonical, int(np.searchsorted(self.layout.slip, panel))
         fall = canonical.values[panel, ..., -1:] / edge.v
@@ -147,10 +133,7 @@ class ZoneFields(ZoneSlopes):
 
     @cached_property
     def slip_rate_slope(self) -> Array:
-        """dV/dv on panels that slip, (p, ..., n), 0 on panels that stick.
-
-        The powers of `rate_integral` are not included.
-        """
+        """dV/dv on slip, (p, ..., n), 0 on stick, without the powers of `rate_integral`."""
         if not self.borders:
             return self._slope_of(self._reduced)
         slope = self._given_slope
@@ -193,8 +176,7 @@ class ZoneFields(ZoneSlopes):
 
     @cached_property
     def _excess_slope(self) -> Array:
-        """Slope of traction less that of strength in the sense of the following zone, (p, ...,
-        n)."""
+        """Slope of traction less strength in the sense of the next zone, (p, ..., n)."""
         load, slope = self.load, self.traction_slope
         if load.load_pressure == 0 or not self.zones:
             return slope
@@ -222,9 +204,8 @@ class ZoneFields(ZoneSlopes):
         for zone in self.zones:
             if zone.left is not None:
                 excess = np.asarray(self._excess_at_opening(zone, outward, next(gains)))
-                with_opening = (
-                    self.load.opened is not None and zone.left is self.load.opened.zone.left
-                )
+                opened = load.opened
+                with_opening = opened is not None and zone.left is opened.zone.left
                 rows.append(np.zeros_like(excess) if with_opening else excess)
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
@@ -235,11 +216,7 @@ class ZoneFields(ZoneSlopes):
         return np.stack(rows) if rows else np.zeros(0)
 
     def _excess_at_opening(self, zone: Zone, outward: Zone | None, gain: Array) -> Array:
-        """Return traction less sense times strength where a zone opens, () or (k,).
-
-        It follows from the traction gained on the stick before the zone, and is divided by the
-        width of a narrow gap to the zone outward of it.
-        """
+        """Return traction less sense times strength where a zone opens, () or (k,)."""
         load = self.load
         if outward is None:
             strength = per_set(load.friction) * load.base_pressure
@@ -258,6 +235,7 @@ class ZoneFields(ZoneSlopes):
         # other.
         if outward.last_sense != zone.sense:
             gain = gain + (outward.last_sense - zone.sense) * self.strength(outward.right)[..., 0]
+        # over the width of the gap, where that is narrow
         return np.asarray(gain / np.minimum(1.0, zone.left.minus(outward.right)[..., 0]))
 
 

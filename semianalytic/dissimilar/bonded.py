@@ -74,12 +74,5 @@ def _state(
     """
     (s_x, s_y), (d_x, d_y), mu = slowness, motion, body.shear_modulus
     spread = body.density * body.longitudinal_speed**2 - 2 * mu
-    return np.array(
-        [
-            d_x,
-            d_y,
-            -mu * (s_x * d_y + s_y * d_x),
-            -spread * (s_x * d_x + s_y * d_y) - 2 * mu * s_y * d_y,
-        ],
-        dtype=complex,
-    )
+    shear, along = -mu * (s_x * d_y + s_y * d_x), s_x * d_x + s_y * d_y
+    return np.array([d_x, d_y, shear, -spread * along - 2 * mu * s_y * d_y], dtype=complex)

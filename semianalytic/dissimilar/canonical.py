@@ -37,15 +37,9 @@ from semianalytic.halfplane.rayleigh import Array
 
 @dataclass(frozen=True, eq=False)
 class Glued:
-    """Psi and R of one pair of bodies.
+    """Psi and R of one pair of bodies, at nodes z_j whose conjugates belong to the rule as well.
 
-    Attributes
-    ----------
-    compliance : Compliance
-    nodes : (n,) complex array
-        z_j; their conjugates belong to the rule as well.
-    right, left : (n, 2, 2) complex arrays
-        w_j (N(z_j)^(-T) - 1) r(-z_j) and w_j (N(z_j) - 1) t(z_j).
+    `right`, `left` (n, 2, 2) are w_j (N(z_j)^(-T) - 1) r(-z_j) and w_j (N(z_j) - 1) t(z_j).
     """
 
     compliance: Compliance
@@ -133,18 +127,14 @@ def glued(compliance: Compliance, tolerance: float) -> Glued:
     ones = np.zeros((4 * len(nodes), 2))
     ones[0 : 2 * len(nodes) : 2, 0] = ones[1 : 2 * len(nodes) : 2, 1] = 1.0
     # t = 1 + K_r r and r = 1 + K_t t, real and imaginary parts of both rows
-    t = np.asarray(
-        np.linalg.solve(np.eye(len(ones)) - from_r @ from_t, ones + from_r @ ones), dtype=float
-    )
+    both = np.eye(len(ones)) - from_r @ from_t
+    t = np.asarray(np.linalg.solve(both, ones + from_r @ ones), dtype=float)
     r = ones + from_t @ t
     return Glued(compliance, nodes, of_r @ _complex(r), of_t @ _complex(t))
 
 
 def _operator(nodes: Complex, factors: Complex) -> Array:
-    """Return the matrix (4 n, 4 n) of x_j -> sum_j factors_j x_j / (z_j + z_i).
-
-    Conjugates are included, and real parts stand above imaginary ones.
-    """
+    """Return the matrix (4 n, 4 n) of x_j -> sum factors_j x_j / (z_j + z_i), real parts first."""
     size = 2 * len(nodes)
     own = np.einsum("ij,jab->iajb", 1 / (nodes + nodes[:, None]), factors).reshape(size, size)
     mirrored = np.einsum("ij,jab->iajb", 1 / (nodes.conj() + nodes[:, None]), factors.conj())

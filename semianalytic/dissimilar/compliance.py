@@ -45,14 +45,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Roots:
-    """Roots alpha, beta and k^2 of one body at slownesses k, and functions formed from them.
-
-    Attributes
-    ----------
-    body : Body
-    alpha, beta : complex arrays, sqrt(a^2 - k^2) and sqrt(b^2 - k^2)
-    square : array, k^2
-    """
+    """Roots alpha, beta and k^2 of one body at slownesses k, and functions formed from them."""
 
     body: Body
     alpha: Complex
@@ -61,10 +54,7 @@ class Roots:
 
     @cached_property
     def bulk(self) -> Complex:
-        """alpha beta + k^2, which tends to (a^2 + b^2) / 2 at infinity.
-
-        Where alpha beta is near to -k^2 the sum is formed from (alpha beta)^2 - k^4.
-        """
+        """alpha beta + k^2, from (alpha beta)^2 - k^4 where the two cancel."""
         a, b = self.body.a, self.body.b
         product = self.alpha * self.beta
         direct, difference = product + self.square, product - self.square
@@ -105,13 +95,6 @@ class Entries:
     """The compliance matrix [[B, k D], [-k D, A]] times R_1 R_2 at slownesses k.
 
     Each entry is formed when it is first asked for: growing waves need two of them only.
-
-    Attributes
-    ----------
-    slowness : complex array
-        k.
-    bodies : tuple of Roots
-        Roots of the upper and of the lower body.
     """
 
     slowness: Complex
@@ -147,15 +130,10 @@ class Entries:
         return np.asarray(own + mixed - 2 * one.square * one.coupling * two.coupling)
 
     @property
-    def rayleighs(self) -> tuple[Complex, Complex]:
-        """R_1 and R_2."""
-        one, two = self.bodies
-        return one.rayleigh, two.rayleigh
-
-    @property
     def rayleigh(self) -> Complex:
         """R_1 R_2."""
-        return np.asarray(self.rayleighs[0] * self.rayleighs[1])
+        one, two = self.bodies
+        return np.asarray(one.rayleigh * two.rayleigh)
 
     def frictional(self, friction: float | Complex) -> Complex:
         """Phi R_1 R_2 = (A + s f k D) R_1 R_2 of `friction` s f, s being the sense of slip."""
@@ -176,12 +154,7 @@ class Entries:
 
 @dataclass(frozen=True)
 class Compliance:
-    """Two half-planes on one another.
-
-    Attributes
-    ----------
-    upper, lower : Body
-    """
+    """Two half-planes on one another."""
 
     upper: Body
     lower: Body
@@ -230,10 +203,8 @@ class Compliance:
     @cached_property
     def dundurs(self) -> float:
         """Dundurs' second parameter beta, upper minus lower body: k D / A tends to i beta."""
-        difference = self.upper.a**2 * _softness(self.upper) - self.lower.a**2 * _softness(
-            self.lower
-        )
-        return difference / self.static
+        upper, lower = (body.a**2 * _softness(body) for body in self.bodies)
+        return (upper - lower) / self.static
 
     @property
     def oscillation(self) -> float:
@@ -253,11 +224,7 @@ class Compliance:
     def on_cut(self, v: ArrayLike, from_fronts: Array | Complex | None = None) -> Entries:
         """Return the matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
 
-        Parameters
-        ----------
-        v : array
-        from_fronts : (4, ...) array, optional
-            v less each of the fronts, where the differences of v would lose digits.
+        `from_fronts` (4, ...) are v less each front where differences of v would lose digits.
         """
         v = np.asarray(v)
         if from_fronts is None:
@@ -267,10 +234,7 @@ class Compliance:
         return Entries(k, self._roots(k, list((-from_fronts).astype(complex))))
 
     def beside(self, place: float, offset: Complex) -> Entries:
-        """Return the matrix at k = place + offset, Re k < 0 <= Im k.
-
-        The distances from a front at -k = `place` are exact.
-        """
+        """Return the matrix at k = place + offset, Re k < 0 <= Im k, exact beside -`place`."""
         k = place + offset
         # s + place is exactly 0 for the front itself, and the offset keeps all its digits.
         plus = [(s + place) + offset for s in self.fronts.tolist()]
@@ -284,9 +248,8 @@ class Compliance:
             np.sqrt(s - k) * np.sqrt(near)
             for s, near in zip(fronts, plus, strict=True)
         )
-        return Roots(self.upper, alpha, beta, square), Roots(
-            self.lower, alpha_two, beta_two, square
-        )
+        lower = Roots(self.lower, alpha_two, beta_two, square)
+        return Roots(self.upper, alpha, beta, square), lower
 
 
 def _softness(body: Body) -> float:
@@ -295,17 +258,9 @@ def _softness(body: Body) -> float:
 
 
 def compliance_of(upper: Material, lower: Material) -> Compliance:
-    """Return the compliance of two materials.
-
-    Slownesses are over that of shear waves in the upper one, and moduli over its shear modulus.
-    """
+    """Return the compliance of two materials, over shear slowness and modulus of the upper."""
     unit = upper.shear_speed
-    bodies = (
-        Body(
-            material.shear_modulus / upper.shear_modulus,
-            unit / material.longitudinal_speed,
-            unit / material.shear_speed,
-        )
-        for material in (upper, lower)
-    )
-    return Compliance(*bodies)
+    speeds = ((one.longitudinal_speed, one.shear_speed) for one in (upper, lower))
+    slownesses = [(unit / fast, unit / slow) for fast, slow in speeds]
+    moduli = 1.0, lower.shear_modulus / upper.shear_modulus
+    return Compliance(*(Body(mu, *ab) for mu, ab in zip(moduli, slownesses, strict=True)))

@@ -25,17 +25,7 @@ _RATIO = 1.7
 
 @dataclass(frozen=True)
 class DelayedGrowth:
-    """The fastest growth under a delay t*.
-
-    Attributes
-    ----------
-    rate : float
-        G: growth rate times t*.
-    wave_number : float
-        q c_t t* of that wave, c_t of the upper body.
-    velocity : float
-        Velocity of its crests, over c_t of the upper body.
-    """
+    """The fastest growth rate times a delay t*, its q c_t t*, and its velocity over upper c_t."""
 
     rate: float
     wave_number: float
@@ -73,13 +63,12 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
         k = _followed(compliance, friction, float(np.exp(log)), wave.slowness)
         return wave if k is None else GrowingWave(k)
 
+    def fall(log: float) -> float:
+        return float(-followed(log).growth * np.exp(log))
+
     bounds = best - np.log(_RATIO), best + np.log(_RATIO)
-    top = minimize_scalar(
-        lambda log: -followed(log).growth * np.exp(log), bounds=bounds, method="bounded"
-    )
-    log = float(top.x)
-    fastest = followed(log)
-    delay = float(np.exp(log))
+    log = float(minimize_scalar(fall, bounds=bounds, method="bounded").x)
+    fastest, delay = followed(log), float(np.exp(log))
     return DelayedGrowth(float(fastest.growth * delay), delay, fastest.velocity)
 
 
@@ -91,9 +80,8 @@ def _followed(
     for _ in range(40):
         near = min(abs(k + side * front) for front in compliance.fronts for side in (1, -1))
         step = 1e-4 * near
-        value, before, after = symbol(
-            compliance.at(np.array([k, k - step, k + step])), friction, delay
-        )
+        entries = compliance.at(np.array([k, k - step, k + step]))
+        value, before, after = symbol(entries, friction, delay)
         move = complex(-2 * step * value / (after - before))
         # A step that passes a front or the axis continues on another sheet.
         longest = min(near, abs(k.imag)) / 2

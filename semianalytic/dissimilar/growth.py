@@ -40,13 +40,7 @@ _LEAST_HEIGHT = 1e-8
 
 @dataclass(frozen=True)
 class GrowingWave:
-    """A wave along a sliding interface whose amplitude grows, in units of c_t of the upper body.
-
-    Attributes
-    ----------
-    slowness : complex
-        k with Im k > 0; the wave is exp(i q (x + t / k)).
-    """
+    """A wave exp(i q (x + t / k)), Im k > 0, that grows along the interface, over upper c_t."""
 
     slowness: complex
 
@@ -76,7 +70,6 @@ def growing_waves(
 
     Parameters
     ----------
-    compliance : Compliance
     friction : float
         s f: the friction coefficient, negative where the upper body slides towards -x.
     delay : float
@@ -147,9 +140,8 @@ def _right_going(compliance: Compliance, friction: float, delay: float) -> list[
 def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[complex]:
     """Yield zeros of Phi in the quarter Re k < 0 < Im k as they settle, some more than once.
 
-    Newton's method works in the coordinate x of a stretch of the cut, in which the wave fronts near
-    the zeros are far away.  A step covers at most half of the way out of the half-plane.  All
-    stretches step together: zeros settle within ten steps, while hundreds of starts never do.
+    Steps are in x of a stretch, at most half of the way out of the half-plane, and all stretches
+    step together: zeros settle within ten steps, while hundreds of starts never do.
     """
     moving = {
         stretch: (_STARTS, np.zeros(_STARTS.shape, dtype=bool))

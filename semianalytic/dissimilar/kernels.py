@@ -31,13 +31,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class PairImpedance:
-    """Z_s, Z_n and H of two half-planes, in units of rho c_t and of c_t of the first one.
-
-    Parameters
-    ----------
-    first, second : Material
-        The solid whose units are used, on y > 0, and the other one.
-    """
+    """Z_s, Z_n and H of two half-planes, in units of rho c_t and c_t of the first, on y > 0."""
 
     first: Material
     second: Material
@@ -73,10 +67,8 @@ class PairImpedance:
     def __call__(self, s: Complex) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, without the Stoneley wave, (3, n)."""
         poles, residues = self.lasting
-        waves = residues @ (1 / (s - poles[:, None])) + residues.conj() @ (
-            1 / (s - poles.conj()[:, None])
-        )
-        return np.asarray(self.at(s) - waves)
+        waves, mirrored = (1 / (s - one[:, None]) for one in (poles, poles.conj()))
+        return np.asarray(self.at(s) - (residues @ waves + residues.conj() @ mirrored))
 
     def at(self, s: NDArray[np.complexfloating]) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, (3, n)."""
@@ -155,11 +147,8 @@ class BodyPair:
 
     @property
     def fastest(self) -> float:
-        """c_t of both bodies, weighted by how far waves of each move its face [length / time].
-
-        The memory answers a fast change as the sum of both faces does, so this speed takes the
-        place of c_t in the bound on steps.
-        """
+        """c_t of both bodies, weighted by how far waves of each move its face [length / time]."""
+        # The memory answers fast changes as both faces do: this bounds steps in place of c_t.
         speeds = []
         for name in ("shear_speed", "longitudinal_speed"):
             # Under the same traction the softer face moves more, in proportion to 1 / (rho c).

@@ -23,17 +23,7 @@ _LARGEST_TURN = 0.5
 
 @dataclass(frozen=True)
 class StretchPhase:
-    """The phase on one stretch.
-
-    Attributes
-    ----------
-    stretch : Stretch
-    x : (n,) array
-        Points in increasing order.
-    phase : (n,) array
-    zeros : tuple of float
-        Slownesses at which the function vanishes.
-    """
+    """The phase at increasing x (n,) of one stretch, and slownesses where the function vanishes."""
 
     stretch: Stretch
     x: Array
@@ -43,16 +33,10 @@ class StretchPhase:
 
 @dataclass(frozen=True)
 class CutPhase:
-    """Phase of a function of the compliance that is regular on the cut.
+    """Phase of a function of the compliance, from its entries at n slownesses, regular on the cut.
 
     At a zero on the cut the phase grows by pi: any damping moves a wave that neither grows nor
     decays below the axis, past which the phase grows.
-
-    Attributes
-    ----------
-    compliance : Compliance
-    function : callable
-        Values (n,) from the entries of the compliance at n slownesses.
     """
 
     compliance: Compliance
@@ -114,7 +98,8 @@ class CutPhase:
             rate = np.abs(np.diff(part.phase) / np.diff(part.x))
             # A zero 1.7 away in x turns it as fast.  Uncut, densities converge at half the rate;
             # at 0.8 some took four rules to 1e-8, at 0.45 there are a fifth more cuts.
-            for top in np.flatnonzero((rate[1:-1] > 0.6) & _is_peak(rate)) + 1:
+            peak = (rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:])
+            for top in np.flatnonzero((rate[1:-1] > 0.6) & peak) + 1:
                 # Neighbouring points are about as far apart as the zero is from the cut.
                 fine = np.linspace(part.x[top - 1], part.x[top + 2], 121)
                 values = self._on(part.stretch, fine)
@@ -124,10 +109,7 @@ class CutPhase:
         return tuple(found)
 
     def _resolved(self, stretch: Stretch) -> tuple[Array, Complex]:
-        """Return points on a stretch between which the function turns little, and its direction.
-
-        About a zero on the cut they are as close as 1e-12.
-        """
+        """Return points on a stretch between which the function turns little, and its direction."""
         # exp(-38) of the slowness of a front is below its rounding.
         x = np.arange(-38.0, 38.25, 0.5)
         values = self._on(stretch, x)
@@ -153,21 +135,11 @@ class CutPhase:
         return np.asarray(values / size)
 
 
-def _is_peak(rate: Array) -> np.ndarray:
-    """Tell which of the inner values of (n,) exceed both neighbours, (n - 2,)."""
-    return np.asarray((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]))
-
-
 @dataclass(frozen=True)
 class SlipPhase:
-    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2).
+    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2), where tau + s f sigma = -K W.
 
-    K relates slip to shear traction less friction: tau + s f sigma = -K W.
-
-    Attributes
-    ----------
-    numerator, denominator : CutPhase
-        Phases of (A + s f k D + eta (A B + k^2 D^2)) R_1 R_2 and (A B + k^2 D^2) R_1 R_2.
+    `numerator` and `denominator` are times R_1 R_2, the first with eta (A B + k^2 D^2) added.
     """
 
     numerator: CutPhase
@@ -197,15 +169,7 @@ class SlipPhase:
 
 
 def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0) -> SlipPhase:
-    """Return the phase of K + eta.
-
-    Parameters
-    ----------
-    friction : float
-        s f, the friction coefficient with the sense of slip.
-    resistance : float
-        eta, traction of a viscous film per relative slip rate.
-    """
+    """Return the phase of K + eta, for `friction` s f and a film of traction eta per slip rate."""
 
     def numerator(entries: Entries) -> Complex:
         value = entries.frictional(friction)
@@ -221,10 +185,8 @@ def bonded_phase(compliance: Compliance) -> CutPhase:
 
 def rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
     """Return the phases of R_1 and R_2, which vanish for the Rayleigh waves of the free bodies."""
-    return (
-        CutPhase(compliance, lambda entries: entries.rayleighs[0]),
-        CutPhase(compliance, lambda entries: entries.rayleighs[1]),
-    )
+    upper = CutPhase(compliance, lambda entries: entries.bodies[0].rayleigh)
+    return upper, CutPhase(compliance, lambda entries: entries.bodies[1].rayleigh)
 
 
 def contact_phase(compliance: Compliance, friction: float) -> CutPhase:

@@ -1,8 +1,8 @@
-"""Tell whether friction between two given bodies has an answer, in the units of the bodies.
+"""Whether friction between two given bodies has an answer, in their units, before any is sought.
 
-Uniform sliding under Coulomb friction is unstable between many pairs of bodies: waves along the
-interface grow, the shorter the faster, and no computation converges as its grid is refined (Adams
-1995; Ranjith and Rice 2001).  `sliding_stability` tells this before anything is solved.
+Uniform sliding under Coulomb friction is unstable between many pairs: waves along the interface
+grow, the shorter the faster, and no computation converges on finer grids (Adams 1995; Ranjith and
+Rice 2001).
 """
 
 from __future__ import annotations
@@ -173,22 +173,16 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
     check_contrast(upper, lower, 1e10)
     # Everything below is in units of the upper body; speeds alone have to be turned back.
     compliance, unit = compliance_of(upper, lower), upper.shear_speed
-    rayleigh, stoneley = generalised_rayleigh_speed(compliance), stoneley_speed(compliance)
     delayed = fastest_delayed_growth(compliance, friction)
-    return SlidingStability(
-        upper,
-        lower,
-        friction,
-        compliance.dundurs,
-        None if rayleigh is None else rayleigh * unit,
-        None if stoneley is None else stoneley * unit,
-        float(growth_threshold(compliance, 1)),
-        float(growth_threshold(compliance, -1)),
-        tuple(
-            SlidingWave(
-                wave.growth * unit, wave.velocity * unit, float(np.exp(wave.per_wavelength))
-            )
-            for wave in growing_waves(compliance, friction)
-        ),
-        None if delayed is None else delayed.rate,
+    waves = tuple(
+        SlidingWave(one.growth * unit, one.velocity * unit, float(np.exp(one.per_wavelength)))
+        for one in growing_waves(compliance, friction)
     )
+
+    def scaled(speed: float | None) -> float | None:
+        return None if speed is None else speed * unit
+
+    speeds = scaled(generalised_rayleigh_speed(compliance)), scaled(stoneley_speed(compliance))
+    limits = float(growth_threshold(compliance, 1)), float(growth_threshold(compliance, -1))
+    bodies = upper, lower, friction, compliance.dundurs
+    return SlidingStability(*bodies, *speeds, *limits, waves, delayed.rate if delayed else None)

@@ -23,16 +23,7 @@ Values = NDArray[Any]
 
 @dataclass(frozen=True)
 class Points:
-    """Slownesses on a stretch with their distances from its ends.
-
-    Attributes
-    ----------
-    x : (n,) array
-        Coordinate on the stretch.
-    v : (n,) array
-    from_left, to_right : (n,) arrays
-        v - left and right - v; the latter is inf where there is no right end.
-    """
+    """Slownesses v at x of a stretch, v - left, and right - v, inf where there is no right end."""
 
     x: Values
     v: Values
@@ -64,9 +55,8 @@ class Stretch:
 
     @property
     def lead(self) -> float:
-        """Approximate distance in x from v = 2 left to the middle, if the right end is far.
-
-        The neighbourhood of the left end begins further out by that distance.
+        """Distance in x, about, from v = 2 left to the middle where the right end is far; 0
+        elsewhere.
         """
         return 0.0 if self.right is None else max(0.0, float(np.log(self.right / self.left - 1)))
 
@@ -82,15 +72,10 @@ class Stretch:
         if self.right is None:
             return np.asarray((self.left - column) + points.from_left)
         near_left = points.x.real < 0
-        return np.asarray(
-            np.where(
-                # Counted from the end beside which the point is; its own left end is exact in any
-                # case.
-                near_left | (column == self.left),
-                (self.left - column) + points.from_left,
-                (self.right - column) - points.to_right,
-            )
-        )
+        near_right = (self.right - column) - points.to_right
+        # Counted from the end beside which the point is; its own left end is exact in any case.
+        counted = near_left | (column == self.left)
+        return np.where(counted, (self.left - column) + points.from_left, near_right)
 
     def coordinates(self, v: Array) -> Array:
         """Return the x of slownesses (n,) from left on; it is -inf at left."""
@@ -100,8 +85,7 @@ class Stretch:
 
     def coordinate(self, v: float) -> float:
         """Return the x of a slowness inside the stretch."""
-        beyond = self.left if self.right is None else self.right - v
-        return float(np.log((v - self.left) / beyond))
+        return float(self.coordinates(np.asarray(v)))
 
 
 def stretches(ends: Sequence[float]) -> list[Stretch]:

@@ -18,11 +18,7 @@ POINTS = 16
 
 @lru_cache(maxsize=1)
 def _rules() -> tuple[Array, Array, Array]:
-    """Return Chebyshev points in [-1, 1] and two matrices.
-
-    They map the values of a function at the points to its coefficients, and to the coefficients of
-    its integral from -1.
-    """
+    """Return Chebyshev points in [-1, 1], matrices from values to series and its integral."""
     t = -np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS)
     coefficients = np.linalg.inv(chebyshev.chebvander(t, POINTS - 1))
     integral = np.array([chebyshev.chebint(row, lbnd=-1) for row in np.eye(POINTS)]).T
@@ -31,15 +27,7 @@ def _rules() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Intervals of one length in x on a stretch.
-
-    Attributes
-    ----------
-    stretch : Stretch
-    start, length : float
-        The intervals are start + i length ... start + (i + 1) length.
-    count : int
-    """
+    """Intervals start + i length ... start + (i + 1) length in x on a stretch."""
 
     stretch: Stretch
     start: float
@@ -60,14 +48,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Several functions on intervals of one stretch.
-
-    Attributes
-    ----------
-    intervals : Intervals
-    coefficients : (f, count, m) array
-        Chebyshev coefficients; beyond the intervals functions keep their last values.
-    """
+    """Chebyshev coefficients (f, count, m) of functions on intervals, constant beyond them."""
 
     intervals: Intervals
     coefficients: Array
@@ -75,9 +56,8 @@ class Series:
     def at(self, x: Array) -> Array:
         """Return the functions at coordinates x (n,), (f, n)."""
         where = self.intervals
-        share = (
-            np.clip(x, where.start, where.start + where.count * where.length) - where.start
-        ) / (where.length)
+        inside = np.clip(x, where.start, where.start + where.count * where.length)
+        share = (inside - where.start) / where.length
         index = np.clip(share.astype(int), 0, where.count - 1)
         terms = chebyshev.chebvander(2 * (share - index) - 1, self.coefficients.shape[2] - 1)
         return np.einsum("fnm,nm->fn", self.coefficients[:, index], terms)
@@ -101,10 +81,7 @@ def from_values(values: Array) -> Array:
 
 
 def integrated(slopes: Array, length: float, start: float) -> Array:
-    """Return coefficients (count, m) of the integral over x of slopes (count, POINTS).
-
-    The integral begins with the value `start` at the first end.
-    """
+    """Return coefficients (count, m) of the integral over x of slopes, from `start` on."""
     parts = slopes @ _rules()[2].T * (length / 2)
     totals = parts.sum(axis=-1)
     # Each interval is integrated from its own left end; its constant is what came before.

@@ -1,13 +1,10 @@
-"""Speeds of waves along an interface without friction or slip, and friction at which waves grow.
-
-Speeds are in units of c_t of the upper body.
-"""
+"""Speeds of waves without friction or slip, and friction at which waves grow, over upper c_t."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
+from semianalytic.dissimilar.compliance import Compliance, Entries
 from semianalytic.dissimilar.growth import count_growing
 from semianalytic.dissimilar.phase import bonded_phase, contact_phase
 from semianalytic.dissimilar.stretch import Stretch, stretches
@@ -73,43 +70,33 @@ def friction_crossings(compliance: Compliance) -> Array:
     """
     if compliance.is_alike:
         return np.zeros(0)
-    found: list[float] = []
-    for stretch in stretches(compliance.distinct_fronts):
-        found += _crossings_on(compliance, stretch)
-    return np.sort(found)
+    parts = stretches(compliance.distinct_fronts)
+    return np.sort([f for stretch in parts for f in _crossings_on(compliance, stretch)])
 
 
 def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
-    """Return the s f of all crossings on one stretch of the cut.
-
-    They are -Re(A / (k D)) at the zeros of Im(A / (k D)).
-    """
+    """Return s f = -Re(A / (k D)) at the zeros of Im(A / (k D)) on one stretch of the cut."""
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
-    def ratio(x: Array) -> Complex:
+    def at(x: Array) -> Entries:
         points = stretch.at(x)
-        entries = compliance.on_cut(points.v, stretch.minus(points, compliance.fronts))
-        return _without_poles(entries)
+        return compliance.on_cut(points.v, stretch.minus(points, compliance.fronts))
+
+    def turn(x: Array) -> Array:  # of A / (k D) times what takes its poles
+        entries = at(x)
+        scale = np.abs(entries.normal) ** 2 + np.abs(entries.coupling) ** 2
+        return np.asarray((entries.normal * entries.coupling.conj() / scale).imag)
 
     def turned(x: float) -> float:
-        return float(ratio(np.array([x]))[0].imag)
+        return float(turn(np.array([x]))[0])
 
     # Of 200 random pairs none has other thresholds at half the step, one at five times.
     x = np.arange(-38.0, 38.01, 0.02)
-    sign = np.sign(ratio(x).imag)
+    sign = np.sign(turn(x))
     found = []
     for i in np.flatnonzero(sign[1:] * sign[:-1] < 0):
-        root = np.array([brentq(turned, x[i], x[i + 1], xtol=1e-14)])
-        entries = compliance.on_cut(
-            stretch.at(root).v, stretch.minus(stretch.at(root), compliance.fronts)
-        )
+        entries = at(np.array([brentq(turned, x[i], x[i + 1], xtol=1e-14)]))
         # Next to zeros of k D a crossing is rounding.
         if abs(entries.coupling[0]) > 1e-12 * abs(entries.normal[0]):
             found.append(float((-entries.normal / entries.coupling).real[0]))
     return found
-
-
-def _without_poles(entries: Entries) -> Complex:
-    """Return A / (k D) times |k D|^2 / (|A|^2 + |k D|^2), which has no pole at zeros of k D."""
-    scale = np.abs(entries.normal) ** 2 + np.abs(entries.coupling) ** 2
-    return np.asarray(entries.normal * entries.coupling.conj() / scale)

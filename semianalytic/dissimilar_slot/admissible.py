@@ -6,7 +6,7 @@ Where the contact is open, the gap is not negative.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -37,7 +37,6 @@ class BrokenLaw:
         Index of the zone, -1 on stick.
     sense : int
         Sign of the shear traction or of the slip rate there.
-    left : float
     right : float or None
         None: up to the contact edge.
     """
@@ -56,17 +55,13 @@ def largest_breach(profile: PairProfile, slowest: float) -> float:
     """
     breaches = [np.zeros(1)]
     for part in profile.parts:
-        breaches += [
-            breach for _, breach, _ in _breaches(profile, part, *_points(profile, part, slowest))
-        ]
+        points = _points(profile, part, slowest)
+        breaches += [breach for _, breach, _ in _breaches(profile, part, *points)]
     return max(float(breach.max()) for breach in breaches)
 
 
 def violations(profile: PairProfile, tolerance: float, slowest: float) -> list[BrokenLaw]:
-    """Return the intervals where the law fails by more than a tolerance.
-
-    Violations are measured as in `largest_breach`.
-    """
+    """Return the intervals where the law fails by more than a tolerance, as in `largest_breach`."""
     found: list[BrokenLaw] = []
     for part in profile.parts:
         v, values = _points(profile, part, slowest)
@@ -86,10 +81,7 @@ def _points(profile: PairProfile, part: ProfilePart, slowest: float) -> tuple[Ar
 def _breaches(
     profile: PairProfile, part: ProfilePart, v: Array, values: Array
 ) -> list[tuple[Kind, Array, Array]]:
-    """Return each condition on a part: its kind, its violation over its scale, and its sense.
-
-    A condition holds where its violation is not positive.
-    """
+    """Return conditions on a part: kind, violation over its scale (> 0 where it fails), sense."""
     interface, zones = profile.density.interface, profile.density.zones
     shear = interface.base_shear + values[SHEAR]
     pressure = interface.base_pressure - values[NORMAL]
@@ -130,14 +122,9 @@ def _merged(found: list[BrokenLaw]) -> list[BrokenLaw]:
     """Join violations of the same kind and sense that meet at a wave front."""
     result: list[BrokenLaw] = []
     for one in sorted(found, key=lambda one: (one.kind, one.left)):
-        last = result[-1] if result else None
-        alike = last is not None and (last.kind, last.zone, last.sense) == (
-            one.kind,
-            one.zone,
-            one.sense,
-        )
-        if last is not None and alike and last.right == one.left:
-            result[-1] = BrokenLaw(one.kind, one.zone, one.sense, last.left, one.right)
+        last, alike = result[-1] if result else None, (one.kind, one.zone, one.sense, one.left)
+        if last is not None and (last.kind, last.zone, last.sense, last.right) == alike:
+            result[-1] = replace(last, right=one.right)
         else:
             result.append(one)
     return sorted(result, key=lambda one: one.left)

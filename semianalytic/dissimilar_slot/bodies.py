@@ -36,16 +36,7 @@ _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
 
 @dataclass(frozen=True, eq=False)
 class BodyFace:
-    """The face of one body of a pair, as the `Source` of the waves in it, in the body's units.
-
-    Attributes
-    ----------
-    density : Density
-    below : bool
-        Whether it is the lower body.
-    poisson_ratio : float
-        Of that body.
-    """
+    """The face of one body of a pair as the `Source` of the waves in it, in the body's units."""
 
     density: Density
     below: bool
@@ -192,15 +183,7 @@ class BodyFace:
 
 @dataclass(frozen=True, eq=False)
 class PairBodies:
-    """The fields in both bodies of a solved pair, which its `PairSolution` returns.
-
-    Attributes
-    ----------
-    scene : Scene
-    density : Density
-    stress_unit : float
-        Unit of stress [stress].
-    """
+    """The fields in both bodies of a solved pair, which its `PairSolution` returns."""
 
     scene: Scene
     density: Density

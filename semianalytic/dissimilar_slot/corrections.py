@@ -130,9 +130,8 @@ def _open(zones: list[MovingZone], pull: BrokenLaw) -> None:
 
 
 def _slip(zones: list[MovingZone], excess: BrokenLaw) -> None:
-    """Add slip where the shear traction exceeds friction.
-
-    An adjoining slip zone of that sense is widened; otherwise a new zone is inserted.
+    """Add slip where the shear traction exceeds friction, to an adjoining zone of that sense or
+    new.
     """
     for index, zone in enumerate(zones):
         if zone.open or zone.sense != excess.sense:
@@ -150,8 +149,7 @@ def _slip(zones: list[MovingZone], excess: BrokenLaw) -> None:
 def rearranged(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
     """Return zones to try after Newton's method failed to place the edges; None if there are none.
 
-    An edge that ran into a wave front restarts on the other side of it.  Slip zones of one sense
-    that have met are merged, and zones that have shrunk to nothing are left out.
+    Edges at a front restart beyond it, zones of one sense that met are one, vanished ones go.
     """
     zones = placement.zones
     crossed = _across_fronts(placement)
@@ -179,10 +177,8 @@ def _across_fronts(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
     edges = edges_of(placement.zones)
     ends: list[float | None] = [0.0, *placement.density.interface.compliance.distinct_fronts, None]
     result, crosses = list(edges), False
-    for index, (edge, segment) in enumerate(
-        zip(edges, placement.coordinates.segments, strict=True)
-    ):
-        left, right = segment
+    segments = placement.coordinates.segments
+    for index, (edge, (left, right)) in enumerate(zip(edges, segments, strict=True)):
         if right is not None and right - edge < _AT_FRONT * right:
             beyond = ends[ends.index(right) + 1]
             width = right if beyond is None else beyond - right

@@ -156,29 +156,11 @@ def _share(one: Array, other: Array) -> float:
 
 
 def differentiated(
-    own: Member,
-    name: str,
-    known: tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]],
-    status: str,
+    own: Member, name: str, known: tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]], status: str
 ) -> PairDerivative:
     """Return the derivative of a solved pair with respect to one of `PARAMETERS`.
 
-    Parameters
-    ----------
-    own : Member
-        The pair as it was solved.
-    name : str
-    known : (slip zones, openings)
-        Those of the solution.
-    status : str
-        That of the solution.
-
-    Raises
-    ------
-    SceneError
-        If there is no such parameter, or the pair has no viscous film to differentiate.
-    ComputationError
-        If zones of this kind have no edges at a nearby value.
+    It refuses other names and films that are not there; edges may fail at nearby values.
     """
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")

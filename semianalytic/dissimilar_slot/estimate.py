@@ -14,9 +14,8 @@ from semianalytic.halfplane.rayleigh import Array
 def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     """Return the error estimate of placed zones on the rule of a tolerance.
 
-    The same zones are solved on a coarser rule.  The estimate comes from the shifts of the edges
-    that this rule asks for, over the lesser of the edge speed and the slowest wave speed, and from
-    the differences of rates and tractions.
+    It is from a coarser rule: the edges that it asks for, over the lesser of their speed and the
+    slowest wave speed, and differences of rates and tractions.
     """
     fine = placement.density
     coarse = density_of(fine.interface, fine.glued, fine.zones, rule_for(6.0 * tolerance))
@@ -31,15 +30,11 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     slowest = fine.interface.compliance.last
     shifts = np.abs(shifted / edges - 1) * np.maximum(1.0, slowest / edges)
     left = placement.move * np.ones(1)
-    changes = [shifts, left, _rate_change(fine, coarse), _traction_change(fine, coarse)]
+    rates, others = _rates(fine), _rates(coarse)
+    scale = np.abs(rates).max(axis=0)
+    of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
+    changes = [shifts, left, of_rates, _traction_change(fine, coarse)]
     return error + 2.0 * max(float(change.max()) for change in changes)
-
-
-def _rate_change(fine: Density, coarse: Density) -> Array:
-    """Return the differences of V and U at ends and middles of panels, over the largest value."""
-    values = [_rates(density) for density in (fine, coarse)]
-    scale = np.abs(values[0]).max(axis=0)
-    return np.asarray(np.abs(values[0] - values[1]) / np.where(scale > 0, scale, 1.0))
 
 
 def _rates(density: Density) -> Array:
@@ -51,7 +46,8 @@ def _rates(density: Density) -> Array:
     on_panels = zip(density.parts, density.slopes, density.amplitudes, strict=True)
     for part, slope, amplitude in on_panels:
         panel = part.panel
-        if panel.zone != zone and density.zones[panel.zone].left != stop_of(density, zone):
+        stop = density.zones[zone].right if zone >= 0 else None
+        if panel.zone != zone and density.zones[panel.zone].left != stop:
             rate = np.zeros(2)
         zone = panel.zone
         # The integral of sinc up to x = 0 is 1/2 + Si(pi n) / pi for the node n steps before it.
@@ -62,16 +58,8 @@ def _rates(density: Density) -> Array:
     return np.array(result)
 
 
-def stop_of(density: Density, zone: int) -> float | None:
-    """Return the right edge of a zone in slowness; None for zone -1, which stands for no zone."""
-    return density.zones[zone].right if zone >= 0 else None
-
-
 def _traction_change(fine: Density, coarse: Density) -> Array:
-    """Return the differences of tau and sigma at all edges.
-
-    They are relative to the tractions themselves plus f P_b for tau and P_b for sigma.
-    """
+    """Return the differences of tau and sigma at edges, over themselves plus f P_b or P_b."""
     one, other = edge_tractions(fine).values, edge_tractions(coarse).values
     interface = fine.interface
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])

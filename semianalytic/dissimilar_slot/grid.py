@@ -64,14 +64,7 @@ class SlownessGrid:
 
 @dataclass(frozen=True)
 class Seen:
-    """Slip rate and gap at the nodes of a grid.
-
-    Attributes
-    ----------
-    xi : (n + 1,) array
-    rate, gap : (n,) arrays
-        V and the gap over time.
-    """
+    """V and the gap over time (n,) at the nodes xi (n + 1,) of a grid."""
 
     xi: Array
     rate: Array
@@ -126,9 +119,8 @@ def grid_of(compliance: Compliance, size: int) -> SlownessGrid:
 
 
 def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]:
-    """Return dT/dxi at points (m,) due to unit rates at the nodes, (m, n, 2, 2), and to z(0).
-
-    The second array is (m, 2, 2).  Both follow from the equation in the module docstring.
+    """Return dT/dxi at points (m,) due to unit rates at nodes, (m, n, 2, 2), and to z(0), (m, 2,
+    2).
     """
     canonical = glued(compliance, _TOLERANCE)
     inverse, rates = compliance.on_cut(1 / at).inverse, canonical.rates(1 / at)
@@ -154,11 +146,7 @@ def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]
 
 
 def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
-    """Return weights (m, n) from the slopes of a function at the points to its tests.
-
-    A test is the integral of the function times a hat function.  The function vanishes at the last
-    node.
-    """
+    """Return weights (m, n) from slopes of a function, 0 at the last node, to its hat tests."""
     n, width = len(xi) - 1, np.diff(xi)
     local = (at - xi[:-1, None]) / width[:, None]
     area = np.convolve(width, [0.5, 0.5])
@@ -171,9 +159,8 @@ def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
 
 
 def _gap_from_rate(xi: Array) -> Array:
-    """Return the matrix (n, n) from U to the gap over time at the nodes.
-
-    The gap over time is xi int U / xi'^2 dxi', taken from the node outward.
+    """Return the matrix (n, n) from U to the gap over time, xi int U / xi'^2 dxi' outward, at
+    nodes.
     """
     n = len(xi) - 1
     left, right = xi[1:-1], xi[2:]
@@ -190,18 +177,11 @@ def _gap_from_rate(xi: Array) -> Array:
 
 
 def seen_on_grid(interface: LoadedBodies, size: int) -> Seen:
-    """Return slip and opening on a grid of about `size` nodes.
-
-    Raises
-    ------
-    ComputationError
-        If complementary pivoting fails.
-    """
+    """Return slip and opening on a grid of about `size` nodes; ComputationError if it fails."""
     grid = grid_of(interface.compliance, size)
-    constant = glued(interface.compliance, _TOLERANCE).constant(
-        interface.load_shear, interface.load_pressure
-    )
-    f, stuck = interface.friction, grid.stuck @ constant
+    canonical = glued(interface.compliance, _TOLERANCE)
+    stuck = grid.stuck @ canonical.constant(interface.load_shear, interface.load_pressure)
+    f = interface.friction
     shear = stuck[:, 0] + interface.base_shear * grid.weight
     pressure = interface.base_pressure * grid.weight - stuck[:, 1]
     by_slip, by_gap = grid.response[:, :, :, 0], grid.response[:, :, :, 1] @ grid.opening
@@ -232,11 +212,7 @@ def seen_on_grid(interface: LoadedBodies, size: int) -> Seen:
 
 
 def _pivoted(matrix: Array, given: Array, weight: Array) -> Array:
-    """Solve by Lemke's method with rows divided by a power of their weights.
-
-    Where the path ends on a ray for one power, it may not for another.
-    """
-    # Rows over powers of the weights, until pivoting does not end on a ray.
+    """Solve by Lemke's method with rows over powers of weights, until the path ends on no ray."""
     for power in (0.0, 1.0, 0.5, -1.0, 2.0):
         scale = weight**-power
         try:
@@ -257,11 +233,7 @@ class _Run:
 
 
 def zones_seen(seen: Seen) -> tuple[MovingZone, ...]:
-    """Return the zones from the fastest wave inward, with edges between nodes of different state.
-
-    An opening has slip ahead of it, of the sense in which the sides move where it begins, and slip
-    behind it where it closes.  Where the grid shows no such slip, a narrow slip zone is added.
-    """
+    """Return the zones from the fastest wave inward; openings have slip ahead and behind."""
     states = seen.states
     runs = [_Run(0, len(states), len(states))]  # nothing slips at the fastest wave
     for node in range(len(states) - 1, -1, -1):
@@ -289,8 +261,7 @@ def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[MovingZ
     near, far = seen.xi[inner.last], seen.xi[outer.first]
     senses = np.sign(seen.rate).astype(int)
 
-    def at(share: float) -> float:
-        """Return the slowness at a share of the way out from the last node of the inner run."""
+    def at(share: float) -> float:  # of the way out from the last node of the inner run
         return float(1 / (near + share * (far - near)))
 
     states = {outer.state, inner.state}

@@ -46,15 +46,7 @@ _POINTS, _WEIGHTS = FOURTH_ORDER
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A pair near another one, with its own edges, in the units of that pair's parameter.
-
-    Attributes
-    ----------
-    scene : Scene
-    profile : PairProfile
-    stress : float
-        Unit of stress of the profile.
-    """
+    """A pair near another one, with its own edges, and the unit of stress of its profile."""
 
     scene: Scene
     profile: PairProfile
@@ -90,15 +82,7 @@ class Member:
 
 @dataclass(frozen=True, eq=False)
 class Varied:
-    """A solved pair and its neighbours along a parameter.
-
-    Attributes
-    ----------
-    own : Member
-    beside : tuple of Member
-        At `_POINTS` times `step` of the parameter.
-    step : float
-    """
+    """A solved pair and its neighbours at `_POINTS` times `step` of a parameter."""
 
     own: Member
     beside: tuple[Member, ...]
@@ -139,12 +123,9 @@ class Varied:
                 continue
             x = np.clip(stretch.coordinates(v[here]), -200.0, 200.0)
             places = [other.at(x).v for other in others]
-            at_place = self._difference(
-                [one.fields(place) for one, place in zip(self.beside, places, strict=True)]
-            )
-            moved = self._difference(
-                [one.slowness(place) for one, place in zip(self.beside, places, strict=True)]
-            )
+            beside = list(zip(self.beside, places, strict=True))
+            at_place = self._difference([one.fields(place) for one, place in beside])
+            moved = self._difference([one.slowness(place) for one, place in beside])
             along = [stretch.at(x + 5e-3 * point).v for point in _POINTS]
             slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
             run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
@@ -186,8 +167,7 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
 def _neighbour(
     scene: Scene, start: PlacedZones, density: Density, rule: PanelRule, tolerance: float
 ) -> tuple[Member, float]:
-    """Return a pair whose zones are of the kind of others, with the edges that it asks for, and
-    how far these have moved as unknowns of `Coordinates`."""
+    """Return a pair of like zones with its own edges, and how far these moved as unknowns."""
     interface, unit = interface_of(scene)
     before = density.interface.compliance.distinct_fronts
     fronts = interface.compliance.distinct_fronts
@@ -199,11 +179,8 @@ def _neighbour(
     to: dict[float | None, float | None] = {0.0: 0.0, None: None}
     to.update(zip(before, fronts, strict=True))
     segments = tuple((to[left] or 0.0, to[right]) for left, right in start.coordinates.segments)
-    moved = replace(
-        start,
-        coordinates=Coordinates(segments),
-        density=replace(start.density, interface=interface, zones=density.zones),
-    )
+    varied = replace(start.density, interface=interface, zones=density.zones)
+    moved = replace(start, coordinates=Coordinates(segments), density=varied)
     placed = polished(moved, glued(interface.compliance, 0.1 * tolerance), rule, tolerance, 12)
     if not placed.converged:
         raise ComputationError(

@@ -22,9 +22,9 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.density import Density, density_of, exponents_of
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
-from semianalytic.dissimilar_slot.densities.panels import PanelRule, edge_exponents
+from semianalytic.dissimilar_slot.densities.panels import PanelRule
 from semianalytic.dissimilar_slot.densities.zones import (
     Coordinates,
     MovingZone,
@@ -47,13 +47,7 @@ _HARMLESS = 0.05
 def traction_change(
     density: Density, start: float, stop: float, exponents: tuple[float, float]
 ) -> Array:
-    """Return the changes of tau and sigma from one slowness to another, (2,).
-
-    Parameters
-    ----------
-    exponents : (float, float)
-        e of T ~ d^e at both ends; 0 where T is bounded.
-    """
+    """Return changes (2,) of tau and sigma between slownesses, T ~ d^e at both ends, or e = 0."""
     stretch = Stretch(start, stop)
     # The integrand falls to e^-30; no admissible edge has an exponent near -1.
     before, after = (30.0 / max(1 + min(e, 0.0), 0.05) for e in exponents)
@@ -67,13 +61,7 @@ def traction_change(
 
 @dataclass(frozen=True)
 class EdgeTractions:
-    """tau and sigma beyond the base at the edges of zones.
-
-    Attributes
-    ----------
-    edges : (e,) array
-    values : (e, 2) array
-    """
+    """tau and sigma (e, 2) beyond the base at the edges (e,) of zones."""
 
     edges: Array
     values: Array
@@ -84,18 +72,10 @@ class EdgeTractions:
 
 
 def edge_tractions(density: Density) -> EdgeTractions:
-    """Return the tractions at all edges, integrated from ahead of all waves, where they are those
-    of the base."""
-    interface, zones = density.interface, density.zones
-    exponents: dict[float, float] = {}
-    for before, zone, after in neighbours(zones):
-        left, right = edge_exponents(interface, before, zone, after)
-        exponents[zone.left] = left
-        if zone.right is not None and right is not None:
-            exponents[zone.right] = right
+    """Return the tractions at all edges, integrated from those of the base ahead of all waves."""
+    exponents, edges = exponents_of(density), edges_of(density.zones)
     # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
-    start, exponent, total, values = interface.compliance.first / 2, 0.0, np.zeros(2), []
-    edges = edges_of(zones)
+    start, exponent, total, values = density.interface.compliance.first / 2, 0.0, np.zeros(2), []
     for edge in edges:
         total = total + traction_change(density, start, edge, (exponent, exponents[edge]))
         values.append(total)
@@ -128,18 +108,9 @@ def mismatch(density: Density) -> Array:
 
 @dataclass(frozen=True)
 class PlacedZones:
-    """Zones whose edges Newton's method has placed.
+    """Zones whose edges Newton's method has placed, with the inverse Jacobian (e, e) there.
 
-    Attributes
-    ----------
-    coordinates : Coordinates
-    unknowns : (e,) array
-    inverse : (e, e) array, inverse Jacobian of the mismatch
-    density : Density
-    converged : bool
-    steps : int
-    move : float
-        Largest change of an unknown in the next step.
+    `move` is the largest change of an unknown in the next step.
     """
 
     coordinates: Coordinates

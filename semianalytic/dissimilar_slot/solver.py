@@ -140,18 +140,11 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         smallest_singular_value=density.smallest_singular_value,
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
     )
-    slips, opens = in_velocity(trial.placement.zones, scene.material.shear_speed)
-    return PairSolution(
-        scene,
-        slips,
-        opens,
-        _status(lawful, estimate, statistics, rtol),
-        # Zones that break the law are no approximation of the answer, however exact they are.
-        estimate if lawful else np.inf,
-        statistics,
-        profile,
-        unit,
-    )
+    moving = in_velocity(trial.placement.zones, scene.material.shear_speed)
+    status = _status(lawful, estimate, statistics, rtol)
+    # Zones that break the law are no approximation of the answer, however exact they are.
+    estimate = estimate if lawful else np.inf
+    return PairSolution(scene, *moving, status, estimate, statistics, profile, unit)
 
 
 @dataclass(frozen=True)
@@ -181,14 +174,18 @@ def _search(interface: LoadedBodies, rtol: float) -> _Trial:
             # The answers of 98 random pairs had three at most; placing 16 takes minutes.
             if len(zones) > 8:
                 break
-            _check_zones(interface, zones)
+            check_well_posed(interface, zones)
+            if interface.resistance and any(zone.open for zone in zones):
+                raise SceneError(
+                    "scene: the contact opens under a viscous film, which this solver does not "
+                    "know between different bodies; leave the viscosity out, or make the base "
+                    "pressure larger (docs/dissimilar.md)."
+                )
             placement = place(interface, canonical, zones, rule, _LOCATED)
             steps, sets = steps + placement.steps, sets + 1
-            # Edges that cannot be placed say something about the zones: those are tried that they
-            # suggest.
+            # Edges that cannot be placed suggest other zones.
             if not placement.converged:
-                other = rearranged(placement)
-                if other is None:
+                if (other := rearranged(placement)) is None:
                     break
                 zones = other
                 continue
@@ -219,17 +216,6 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         # scatter.
         tolerance *= max(min(0.5 * rtol / estimate, 0.3), 0.01)
     return replace(trial, placement=placement, steps=steps), estimate
-
-
-def _check_zones(interface: LoadedBodies, zones: Sequence[MovingZone]) -> None:
-    """Raise SceneError for zones that cannot be solved."""
-    check_well_posed(interface, zones)
-    if interface.resistance and any(zone.open for zone in zones):
-        raise SceneError(
-            "scene: the contact opens under a viscous film, which this solver does not know "
-            "between different bodies; leave the viscosity out, or make the base pressure larger "
-            "(docs/dissimilar.md)."
-        )
 
 
 def _guesses(interface: LoadedBodies) -> Iterator[Sequence[MovingZone]]:

@@ -44,7 +44,6 @@ class Bodies:
 
     Attributes
     ----------
-    scene : Scene
     shear : ZoneFields
         Fields of the shear tractions on the cut, b = mu = 1 and in `stress_unit`.
     opened : ZoneFields or None
@@ -64,11 +63,9 @@ class Bodies:
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Solution.velocity`."""
         unit = self.stress_unit / self.scene.material.shear_impedance
-        rows = unit * self._rows("velocity", x, y, t)
-        load = self.scene.load
+        rows, load = unit * self._rows("velocity", x, y, t), self.scene.load
         if isinstance(load, IncidentWave):
-            speed = load.particle_velocity(self.scene.material)
-            rows += _along(load, speed * (self._lag(load, x, y, t) >= 0), len(rows))
+            rows += self._along(load, self._lag(load, x, y, t) >= 0, len(rows))
         return rows
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -94,12 +91,15 @@ class Bodies:
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement; see `Solution.displacement`."""
         unit = self.stress_unit / self.scene.material.shear_modulus
-        rows = unit * self._rows("displacement", x, y, t)
-        load = self.scene.load
+        rows, load = unit * self._rows("displacement", x, y, t), self.scene.load
         if isinstance(load, IncidentWave):
-            speed = load.particle_velocity(self.scene.material)
-            rows += _along(load, speed * np.maximum(self._lag(load, x, y, t), 0.0), len(rows))
+            rows += self._along(load, np.maximum(self._lag(load, x, y, t), 0.0), len(rows))
         return rows
+
+    def _along(self, load: IncidentWave, amount: ArrayLike, count: int) -> Array:
+        """Return so much of a wave's particle velocity along its motion, (count, ...)."""
+        moved = load.particle_velocity(self.scene.material) * np.asarray(amount)
+        return np.stack([part * moved for part in load.polarisation()[:count]])
 
     def _lag(self, load: IncidentWave, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the time since the front of an incident wave has passed [time]."""
@@ -109,19 +109,14 @@ class Bodies:
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the error of velocities and stresses.
-
-        It is relative to themselves plus the largest load, and is the change that a rule ten times
-        coarser makes, near the edge as well.
-        """
+        """Estimate of the error of velocities and stresses, over them plus the largest load."""
+        # The change that a rule ten times coarser makes, near the edge as well.
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
         x, y = points_around(self._shear.reach)
         if self.shear.borders and self.opened is not None:
             # the traction of a film jumps on the face at the ends of an opening
-            ends = [
-                1 / end.v[0] for one in self.opened.zones for end in (one.left, one.right) if end
-            ]
-            beside = np.outer(ends, 1 + _BESIDE).ravel()
+            ends = [end for one in self.opened.zones for end in (one.left, one.right) if end]
+            beside = np.outer([1 / end.v[0] for end in ends], 1 + _BESIDE).ravel()
             x, y = np.append(x, beside), np.append(y, 0 * beside)
         at = x, y, 1 / self.scene.material.shear_speed
         rows, coarser = (
@@ -175,8 +170,3 @@ class Bodies:
         # what is left out at v they miss the share (k / v)^1/2.
         longer = replace(rule, reach=rule.reach + 28.0)
         return Primitives(LikeBody(Transform(replace(fields, rule=longer, tail=True))))
-
-
-def _along(load: IncidentWave, amount: ArrayLike, count: int) -> Array:
-    """Return an amount of motion (...) along the direction of a wave's motion, (count, ...)."""
-    return np.stack([part * np.asarray(amount) for part in load.polarisation()[:count]])

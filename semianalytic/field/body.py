@@ -46,15 +46,7 @@ ALONG: Mapping[Quantity, slice] = {
 
 @dataclass(frozen=True, eq=False)
 class Sent:
-    """What one source sends into the bodies, as a part of their fields.
-
-    Attributes
-    ----------
-    primitives : Primitives
-    mirrored : (7,) or (4,) array
-        Signs that turn all its fields in the upper half-plane into those of a lower body, which is
-        its mirror image; 4 in antiplane shear.
-    """
+    """What a source sends, and the signs (7,), antiplane (4,), of its fields mirrored below."""
 
     primitives: Primitives
     mirrored: Array
@@ -70,7 +62,6 @@ def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array,
 
     Parameters
     ----------
-    parts : sequence of Sent
     quantity : {"velocity", "stress", "displacement"}
     at : three (m,) arrays
         x, y and t > 0; points whose y has a negative sign, -0.0 included, are in the lower body.
@@ -145,11 +136,8 @@ def _finite_or_not(
 
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Return the positions (m,) at t = 1 with the same fields, and times 1.
-
-    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
-    are limited to 1e16, and are put at the edge within 1e-16 of it.
-    """
+    """Return the positions (m,) at t = 1 with the same fields, and times 1."""
+    # Fields depend on x / t and y / t alone; displacement is proportional to t besides.
     with np.errstate(over="ignore"):
         # From 1e16 c_t t on fields are those at infinity, to rounding.
         x, y = (np.clip(one / t, -1e16, 1e16) for one in (x, y))
@@ -168,14 +156,7 @@ def checked_points(x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Array, Arr
 
 
 def points_around(reach: float) -> tuple[Array, Array]:
-    """Return x and y (m,) of random points within twice the reach of waves, at which rules are
-    compared; half of them are near the edge.
-
-    Parameters
-    ----------
-    reach : float
-        Slowness of the slowest front or zone edge, over that of the unit of speed.
-    """
+    """Return random points (m,) within twice the slowest `reach`, half of them near the edge."""
     rng = np.random.default_rng(0)
     # With 30 and 120 estimates of four scenes differ by 5 % at most.
     angle, share = rng.uniform(size=(2, 60))
@@ -185,17 +166,10 @@ def points_around(reach: float) -> tuple[Array, Array]:
 
 
 class WaveSource(NamedTuple):
-    """A wave, and how its fields follow from the integrals of its densities.
+    """A wave of a slowness, and which densities are its own, (p, f).
 
-    Attributes
-    ----------
-    slowness : float
-    parts : (p, f) array
-        Which densities are its own.
-    fields : (q, p) array
-        Takes their integrals to pi times velocities and stresses.
-    moved : function
-        Takes their integrals (p, m) and x, y, t (m,) to pi times displacements.
+    `fields` (q, p) and `moved` take their integrals to pi times velocities and stresses, and
+    motion.
     """
 
     slowness: float
@@ -242,10 +216,7 @@ def waves(source: Source) -> tuple[WaveSource, ...]:
 
 
 def arrives(x: Array, y: Array, t: Array, s: float, front: float) -> np.ndarray:
-    """Return (m,) whether a wave of slowness s may have come to points.
-
-    `front` is the slowness p > 0 of a load that comes along the slot, else 0.
-    """
+    """Return (m,) whether a wave may have come, of a load whose front has slowness `front` or 0."""
     return t > front * x + np.sqrt((s - front) * (s + front)) * y
 
 
@@ -281,10 +252,9 @@ def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndar
 def upper(
     primitives: Primitives, x: Array, y: Array, t: Array, close: float, quantity: Quantity
 ) -> Array:
-    """Return the rows of a quantity at points (m,) of the upper body, y >= 0, t > 0.
+    """Return the rows (`PLANE` or `ALONG`) of a quantity at points (m,), y >= 0, t > 0.
 
-    They are those of `PLANE` or of `ALONG`.  Where they are singular, fields at the distance
-    `close` from the singularity are returned, at the contact edge ahead of it.
+    Singular ones are at the distance `close` from there, at the contact edge ahead of it.
     """
     # At the contact edge itself fields depend on the direction: those just ahead of it are meant.
     x = np.where((x == 0) & (y == 0), close * t, x)
@@ -309,29 +279,22 @@ def upper(
 
 
 def reflected(primitives: Primitives, x: Array, y: Array, t: Array, quantity: Quantity) -> Array:
-    """Return the rows of a quantity at points (m,) at times t <= 0, y >= 0.
-
-    They are the plane waves of a load that comes along the slot, and 0 without one.
-    """
+    """Return a quantity at points (m,) at t <= 0, y >= 0: plane waves of a load along the slot."""
     along = primitives.source.antiplane
     result = np.zeros((4 if along else 7, len(x)))
     if primitives.source.front:
         for wave in waves(primitives.source):
             here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front))
-            # Before anything comes from the edge the integrals are those right of the parting
-            # point.
-            parts = wave.parts @ np.repeat(
-                primitives.source.behind.imag[:, None], len(here), axis=1
-            )
-            result[:, here] += wave.rows(parts, x[here], y[here], t[here])
+            # Before anything comes from the edge integrals are those right of the parting point.
+            behind = np.repeat(primitives.source.behind.imag[:, None], len(here), axis=1)
+            result[:, here] += wave.rows(wave.parts @ behind, x[here], y[here], t[here])
     return result[(ALONG if along else PLANE)[quantity]] / np.pi
 
 
 def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
     """Return pi times all fields (7, m) where both waves nearly cancel, beside the edge.
 
-    The densities of both are added before they are integrated up to k_P; the S wave is then
-    integrated on to k_S.
+    Densities of both are added before integration to k_P; the S wave goes on alone to k_S.
     """
     k_p, a = slowness(x, y, t, primitives.source.slownesses[0]), primitives.source.slownesses[0]
     every = np.eye(len(primitives.source.behind))

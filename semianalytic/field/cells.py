@@ -44,10 +44,7 @@ _QUARTER = tuning.SECTORS // 2
 
 @lru_cache(maxsize=2)
 def _pattern(degree: int, per_side: int) -> tuple[Complex, Complex]:
-    """Return nodes (m,) on the border of a cell, and the matrix from values to coefficients.
-
-    Nodes are in units of half the diagonal; the matrix is (degree + 1, m).
-    """
+    """Return nodes (m,) on a border, over half a diagonal, and the matrix to coefficients."""
     side = np.cos(np.pi * (np.arange(per_side) + 0.5) / per_side)
     corner = 1 / np.sqrt(2.0)
     nodes = np.concatenate([(side + 1j) * corner * 1j**turn for turn in range(4)])
@@ -63,12 +60,7 @@ other and of the first."""
 
 @dataclass(frozen=True)
 class Primitives:
-    """Integrals of all densities (see `waves`), and the density of v_x in the S wave.
-
-    Attributes
-    ----------
-    source : Source
-    """
+    """Integrals of all densities (see `waves`), and the density of v_x in the S wave."""
 
     source: Source
     _cells: dict[Cell, Complex] = field(default_factory=dict, repr=False)
@@ -171,10 +163,7 @@ class Primitives:
         return facing, complex(half, np.pi * left), complex(half, np.pi * (1 - left))
 
     def _missing(self, cells: list[Cell]) -> dict[Cell, _Link | None]:
-        """Return those of some cells that are missing, with the links to those of their constants.
-
-        Each comes after that one, which is included if it is missing.
-        """
+        """Return missing cells and those before them, in order, with links to their constants."""
         order: dict[Cell, _Link | None] = {}
         for cell in cells:
             chain: dict[Cell, _Link | None] = {}
@@ -186,13 +175,7 @@ class Primitives:
         return order
 
     def _form(self, links: Mapping[Cell, _Link | None]) -> None:
-        """Add cells, each after the one from which it takes its constant.
-
-        All polynomials are evaluated at once where two cells meet, and only their constants are
-        added up from cell to cell.  Threads may form the same cell at the same time.  All obtain
-        the same digits, and a cell is complete when it is added, so that readers need not wait for
-        one another.
-        """
+        """Add cells, each after the one of its constant; threads may form the same one."""
         cells, count = list(links), len(self._pattern[1])
         fresh = np.empty((len(cells), count + 1, len(self.source.ahead)), dtype=complex)
         middles = np.array([self._middle(cell) for cell in cells])
@@ -228,11 +211,7 @@ class Primitives:
     def _add_constants(
         self, links: Mapping[Cell, _Link | None], fresh: Complex, middles: Complex
     ) -> None:
-        """Set the constants of new cells (c, n, f) so that each continues the one before it.
-
-        A constant is that of the cell before, and what polynomials without constants differ by: its
-        digits do not depend on which cells are formed together.
-        """
+        """Set constants of new cells (c, n, f), whose digits do not depend on other new ones."""
         numbers, kept = {cell: number for number, cell in enumerate(links)}, self.source.kept
         count, own, there = fresh.shape[1] - 1, np.copy(middles), np.copy(middles)
         others = np.zeros_like(fresh[:, 1:])
@@ -271,11 +250,7 @@ class Primitives:
         return _pattern(22, 10)
 
     def __call__(self, k: Complex, close: float, mix: Array | Complex) -> Array:
-        """Return sums (g, m) of integrals at k (m,), Im k >= 0: their imaginary parts.
-
-        The rows of `mix` (g, f) hold the factors of all densities; the integral of S_v is S_v
-        itself.  Where integrals are singular, they are taken at the distance `close`.
-        """
+        """Return imaginary parts of `mix` (g, f) of integrals at k (m,), or `close` to poles."""
         parting, (left, right) = self.source.places[self.source.parting], self.source.still
         still = (k.imag == 0) & (left < k.real) & (k.real < right) & (k != parting)
         if not still.any():

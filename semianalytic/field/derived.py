@@ -1,7 +1,6 @@
 """Quantities that instruments measure of a stress: strain gauges and polariscopes.
 
-These are plain functions of stress (3, ...), sigma_xx, sigma_yy, sigma_xy, or in antiplane shear
-(5, ...), with sigma_xz and sigma_yz, as `Solution.stress` returns it, tension positive
+They take stress as `Solution.stress` returns it, (3, ...) or (5, ...), tension positive
 (docs/fields.md).
 """
 

@@ -73,22 +73,13 @@ class Source(Protocol):
 
 
 def _order(one: Centre, other: Centre) -> int:
-    """Return -1 or 1 if a centre lies left or right of another, however close, and 0 at the same
-    point.
-
-    Places tie where an edge is closer to a front than the rounding of its slowness.
-    """
+    """Return -1 or 1 if a centre lies left or right of another, however close, or 0."""
     return int(np.sign(other.distance(one)))
 
 
 @dataclass(frozen=True)
 class LikeBody:
-    """The surface of a body that touches one of its own kind, under tractions of one mode.
-
-    Attributes
-    ----------
-    transform : Transform
-    """
+    """The surface of a body that touches one of its own kind, under tractions of one mode."""
 
     transform: Transform
 
@@ -128,10 +119,7 @@ class LikeBody:
 
     @cached_property
     def _parting(self) -> Centre:
-        """The pole of the densities between -a and a.
-
-        It is 0, or the pole of a load whose front is faster than all waves.
-        """
+        """The pole of the densities in (-a, a): 0, or that of a load faster than all waves."""
         pole = self.transform.pole
         if pole is None or not abs(pole.place) < self.slownesses[0]:
             return Centre(0)

@@ -32,16 +32,9 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Centre:
-    """A point of the real axis: k = -v or v of a point on the cut, or 0 (None).
+    """A point of the real axis: k = -v or v of a point on the cut (sign -1 or 1), or 0 (None).
 
-    Attributes
-    ----------
-    sign : int
-        -1 or 1; 0 for k = 0.
-    point : CutPoints or None
-        The point of the cut.
-    end : int or None
-        Index of the end of panels at which it lies, if it does.
+    `end` is the index of the end of panels at which it lies, if it does.
     """
 
     sign: int
@@ -70,13 +63,7 @@ class Centre:
 
 @dataclass(frozen=True)
 class Transform:
-    """The transform T in the closed upper half-plane, b = mu = 1.
-
-    Attributes
-    ----------
-    fields : ZoneFields
-        Fields of one set of zones on the cut, the unbounded panel included.
-    """
+    """The transform T in the closed upper half-plane, b = mu = 1, with its unbounded panel."""
 
     fields: ZoneFields
 
@@ -90,21 +77,15 @@ class Transform:
 
     @cached_property
     def _borders(self) -> list[Centre]:
-        """Points where slip with resistance to slip rate borders on an opening.
-
-        T may behave like 1 / (k - border) there or worse, and is integrated with a factor k -
-        border for each.
+        """Where slip that meets resistance borders on an opening: T has a factor k - border for
+        each.
         """
         left = self.fields.panels.left
         return [Centre(-1, left[panel + 1], panel + 1) for panel, _ in self.fields.borders]
 
     @cached_property
     def _right(self) -> Array:
-        """T times its factors (2 n,) right of the cut, from its imaginary part on the cut.
-
-        Without borders T(k) = T(0) + k int dtau/dv / (v + k) dv; each border takes one more point
-        at which T is known.
-        """
+        """T times its factors (2 n,) right of the cut, from its imaginary part on the cut."""
         panels, beyond = self.fields.panels, self._beyond[0]
         knots = self._knots
         sent = panels.jacobian * self._cut.imag
@@ -192,12 +173,7 @@ class Transform:
         return np.concatenate([left.ravel(), right])
 
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
-        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
-
-        Each row extends over a ratio of distances from the centre of at most exp(pi / SECTORS), and
-        is summed alone, over nodes that its own distance selects, so that its digits do not depend
-        on the other rows.
-        """
+        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`."""
         distances, place = self._offsets(centre), centre.place
         # T grows like k^1/2 at most, so the integrand falls like k^-3/2.
         power = 2 + len(self._borders)
@@ -238,7 +214,6 @@ class _Seen(NamedTuple):
     inner, outer : (2, p) arrays
         Coefficients of the sums over nodes that are far nearer to 0, in (within / k)^j / k, and
         over those that are far beyond, in (k / beyond)^j; p = 0 without such nodes.
-    within, beyond : float
     """
 
     place: Array
@@ -299,10 +274,7 @@ def powers(z: Numbers, count: int) -> Numbers:
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> Complex:
-    """Return sums (2, m) of two complex weights over place - at, (m,).
-
-    The weights are (n, 4), real and imaginary parts in turn.
-    """
+    """Return sums (2, m) of two complex weights (n, 4), parts in turn, over place - at."""
     real, imag = np.empty((2, len(at), 4))
     step = max(1, 60_000 // max(len(place), 1))  # kernel values that stay in the processor's cache
     for start in range(0, len(at), step):

@@ -47,15 +47,7 @@ v_y with the factors alpha and beta."""
 
 @dataclass(frozen=True)
 class Slowness:
-    """Points k of the upper half-plane, with their exact distances from all fronts.
-
-    Attributes
-    ----------
-    factors : RayleighFactors
-    k : (...) array
-    from_left, from_right : (3, ...) arrays
-        k + a, k + b, k + c, and k - a, k - b, k - c.
-    """
+    """Points k of the upper half-plane, with k + a, k + b, k + c, and k - a, k - b, k - c."""
 
     factors: RayleighFactors
     k: Complex
@@ -130,16 +122,7 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
 def radiated(
     at: Slowness, motion: tuple[Complex, Complex], tractions: tuple[Complex, Complex]
 ) -> Complex:
-    """Return all in-plane densities (20, ...) from the motion of the surface and its tractions.
-
-    Parameters
-    ----------
-    at : Slowness
-    motion : pair of (...) arrays
-        Transforms of the rates V_x and V_y of the surface.
-    tractions : pair of (...) arrays
-        Transforms of the changes of sigma_xy and sigma_yy on it.
-    """
+    """Return densities (20, ...) from transforms of rates and traction changes of the surface."""
     k, alpha, beta, bulk, a = at.k, at.alpha, at.beta, at.bulk, at.factors.a
     (v_x, v_y), z = motion, np.square(k)
     # Two equations, V_x and V_y of the surface, solved for the amplitudes of the two waves.
@@ -148,27 +131,15 @@ def radiated(
     along, across, shearing, press = (part / k for part in (*motion, *tractions))
     difference = (a * a - 1) / (alpha + beta)  # alpha - beta
     sums = [along, across, 4 * (1 - a * a) * v_x + (1 - 2 * a * a) * press, press, shearing]
-    return np.stack(
-        [
-            shear,
-            *(compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)),
-            *(shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)),
-            *sums,
-            v_x,
-            v_y,
-            (alpha * along - beta * difference * v_y) / bulk,
-            (a * a * beta * across - alpha * difference * v_x) / bulk,
-        ]
-    )
+    sums += [v_x, v_y, (alpha * along - beta * difference * v_y) / bulk]
+    sums.append((a * a * beta * across - alpha * difference * v_x) / bulk)
+    of_p = [compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)]
+    of_s = [shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)]
+    return np.stack([shear, *of_p, *of_s, *sums])
 
 
 def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: float) -> Complex:
-    """Return the change of all integrals from k > -p to k < -p for a load of slowness p, |p| < a.
-
-    The path passes above the pole k = -p of the densities, at which T has the residue -p times the
-    load.  It is i pi times a plane wave, that of the load before anything comes from the edge, and
-    `plane_wave` for p -> 0.
-    """
+    """Return i pi times the plane wave of a load of slowness p, |p| < a, from the pole at -p."""
     k = np.array([-slowness + 0j])
     fronts = np.array([[factors.a], [1.0], [factors.in_plane.c]])
     at = Slowness(factors, k, k + fronts, k - fronts)
@@ -180,10 +151,9 @@ def reflected_wave(factors: RayleighFactors, mode: Mode, load: float, slowness: 
 
 
 def plane_wave(transform: float, mode: Mode, a: float) -> Complex:
-    """Return the change of all integrals from 0 < k < a to -a < k < 0.
+    """Return the change of all integrals past the pole at 0, from k > 0 to k < 0.
 
-    The path passes above the pole of the densities at 0.  The change is i pi times a plane wave,
-    that of a traction that changes everywhere by `transform` = T(0).
+    It is i pi times the plane wave of a traction that changes everywhere by `transform` = T(0).
     """
     if mode == "III":
         return 1j * np.pi * transform * np.array([-1, 0, 1])

@@ -14,13 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CutPoints:
-    """Slownesses v on the cut, with distances from a, b and c that are exact however small.
-
-    Attributes
-    ----------
-    parts : (4, ...) array
-        v, v - a, v - b and v - c in units of b.
-    """
+    """Slownesses on the cut: v, v - a, v - b and v - c [b], (4, ...), exact however small."""
 
     parts: Array
 

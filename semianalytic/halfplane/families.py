@@ -29,8 +29,7 @@ _NODES = 12
 
 @dataclass(frozen=True)
 class _Tables:
-    """Chebyshev series of k Poisson ratios, (m, k, 1): ln S_+, and the stuck tractions ahead of
-    and behind the shear front by mode."""
+    """Chebyshev series (m, k, 1): ln S_+, and stuck tractions ahead of and behind b by mode."""
 
     log_s_plus: Array
     stuck: dict[Mode, tuple[Array, Array]]
@@ -45,9 +44,7 @@ class _Tables:
 class RayleighFamily(RayleighFactors):
     """Rayleigh function and Wiener-Hopf factors of k Poisson ratios.
 
-    Numbers of `RayleighFactors` are (k, 1) arrays here.
-
-    Use `rayleigh_family(ratios)`.
+    Numbers of `RayleighFactors` are (k, 1) arrays here.  Use `rayleigh_family(ratios)`.
     """
 
     poisson_ratio: Any  # (k, 1)
@@ -57,12 +54,9 @@ class RayleighFamily(RayleighFactors):
 
     def chosen(self, which: np.ndarray) -> RayleighFamily:
         """Return the factors of some of the ratios."""
-        return RayleighFamily(
-            self.poisson_ratio[which],
-            a=self.a[which],
-            c=self.c[which],
-            tables=self.tables.mapped(lambda series: series[:, which]),
-        )
+        tables = self.tables.mapped(lambda series: series[:, which])
+        ratio = self.poisson_ratio[which]
+        return RayleighFamily(ratio, a=self.a[which], c=self.c[which], tables=tables)
 
     def single(self, index: int) -> RayleighFactors:
         """Return the factors of one of the ratios."""
@@ -93,11 +87,7 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def hiding(self) -> np.ndarray:
-        """Effect of the hidden root on the panels of each ratio, (k,).
-
-        It is 2 where panels are cut beside the root, 1 where the root is complex but lies ahead of
-        them, and 0 elsewhere.  Sets of zones share panels only if it is the same.
-        """
+        """Where the hidden root is, (k,): 2 panels are cut beside it, 1 complex ahead, else 0."""
         hidden = self.hidden_root
         return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
 
@@ -184,11 +174,9 @@ def _each(ratios: Array) -> _Tables:
 
 def _single(factors: RayleighFactors) -> _Tables:
     """Compute the tables of one Poisson ratio."""
-    modes: tuple[Mode, ...] = ("I", "II")
-    stuck = {mode: stuck_traction(factors.poisson_ratio, mode) for mode in modes}
-    series = {
-        mode: (one._before_shear_front, one._behind_shear_front) for mode, one in stuck.items()
-    }
+    series: dict[Mode, tuple[Array, Array]] = {}
+    for stuck in (stuck_traction(factors.poisson_ratio, "I"), traction_of(factors, "II")):
+        series[stuck.mode] = stuck._before_shear_front, stuck._behind_shear_front
     return _Tables(factors._log_s_plus, series).mapped(lambda one: one[:, None, None])
 
 
@@ -200,13 +188,10 @@ def _joined(parts: list[_Tables]) -> _Tables:
         padded = [np.pad(one, ((0, longest - len(one)), (0, 0), (0, 0))) for one in series]
         return np.concatenate(padded, axis=1)
 
-    stuck = {
-        mode: (
-            together([part.stuck[mode][0] for part in parts]),
-            together([part.stuck[mode][1] for part in parts]),
-        )
-        for mode in parts[0].stuck
-    }
+    stuck: dict[Mode, tuple[Array, Array]] = {}
+    for mode in parts[0].stuck:
+        ahead, behind = (together([part.stuck[mode][i] for part in parts]) for i in (0, 1))
+        stuck[mode] = ahead, behind
     return _Tables(together([part.log_s_plus for part in parts]), stuck)
 
 

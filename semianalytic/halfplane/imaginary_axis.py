@@ -41,9 +41,7 @@ def static_remainder(factors: RayleighFactors, eta: Array, edge: float) -> Array
     above = (factors.a**2 / (eta + alpha) + 1 / (eta + beta)) / 2
     lead = (edge**2 / (eta + root) * half + eta * above) / half  # root - eta^2 / half
     own = 1 / beta
-    if factors.mode == "I":
-        # In mode I the impedance is over alpha, not beta, which leaves one more difference of the
-        # roots.
+    if factors.mode == "I":  # over alpha, not beta, which leaves one more difference of the roots
         own = 1 / alpha + factors.kappa * eta**2 * (1 - factors.a**2) / (half * alpha * 2 * half)
     return np.asarray((factors.kappa * lead - own) / root)
 

@@ -91,12 +91,6 @@ class AntiplanePrimitive(StuckPrimitive):
 
 @lru_cache(maxsize=64)
 def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
-    """Return the primitive of p* (mode I) or q* (modes II and III); its tables are cached.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
+    """Return the primitive of p* (mode I) or q* (modes II and III); its tables are cached."""
     kind = AntiplanePrimitive if mode == "III" else StuckPrimitive
     return kind(rayleigh_factors(poisson_ratio), mode)

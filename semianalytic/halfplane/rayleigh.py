@@ -1,9 +1,7 @@
 """Rayleigh function, its Wiener-Hopf factors and the impedances of a half-plane.
 
-Everything here depends on the Poisson ratio alone and is dimensionless: slowness in units
-of the shear slowness b = 1/c_t, impedance in units of mu b.  On the branch cut k = -v + i0
-nothing is evaluated as a principal value: the factor M_+(-v) is the full impedance divided by
-M_-(-v) = M_+(v), an argument off the cut.
+All depend on the Poisson ratio alone; slowness is in units of b = 1/c_t, impedance of mu b.  On the
+cut k = -v + i0 nothing is a principal value: M_+(-v) is M over M_-(-v) = M_+(v), off the cut.
 """
 
 from __future__ import annotations
@@ -33,7 +31,6 @@ class RayleighFactors:
 
     Attributes
     ----------
-    poisson_ratio : float
     mode : "I", "II" or "III"
         Mode of the impedance M where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2 with
         r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, it is (b + k)^1/2.
@@ -208,8 +205,7 @@ class RayleighFactors:
     def hidden_root(self) -> complex:
         """The slowness, Im >= 0, at which the phase phi, continued off a < v < b, is singular.
 
-        It is a root of the Rayleigh function on its other sheet, complex for nu > 0.263; 0 in mode
-        III.
+        It is a zero of R on its other sheet, complex for nu > 0.263; 0 in mode III.
         """
         if not self.has_rayleigh_wave:
             return 0j
@@ -220,10 +216,8 @@ class RayleighFactors:
         return complex(root.real, abs(root.imag))
 
     def reduced_rayleigh(self, v: ArrayLike) -> Array:
-        """Return R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
-
-        R = (b^2 - 2v^2)^2 - 4v^2 sqrt(v^2 - a^2) sqrt(v^2 - b^2) on v > b; its rationalised
-        numerator is a cubic in v^2 with the root c^2.
+        """Return R(-v) / (c^2 - v^2) for v > b, a cubic in v^2 over R's conjugate, without
+        cancellation.
         """
         z = np.square(np.asarray(v, dtype=float))
         return self._reduced_rayleigh(z, np.sqrt(z - self.a**2) * np.sqrt(np.maximum(z - 1, 0)))
@@ -315,12 +309,6 @@ class RayleighFactors:
 
 @lru_cache(maxsize=64)
 def rayleigh_factors(poisson_ratio: float, mode: Mode = "II") -> RayleighFactors:
-    """Return the factors for one Poisson ratio; the tables of the 64 most recent ones are cached.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
+    """Return the factors for one Poisson ratio; those of the 64 most recent ones are cached."""
     Material(1.0, 1.0, poisson_ratio)
     return RayleighFactors(poisson_ratio, mode)

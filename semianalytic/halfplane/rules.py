@@ -53,8 +53,7 @@ class BesideEnd:
 class Rule:
     """A uniform grid in y of spacing h, from -reach to reach, and `further` on either side.
 
-    A rule that is `held` is not replaced where panels need a finer or longer one, so that
-    neighbouring zones have the same nodes.
+    One that is `held` is not replaced where panels need another: neighbours have its nodes.
     """
 
     spacing: float
@@ -100,10 +99,7 @@ class Rule:
 
     @cached_property
     def weights(self) -> Array:
-        """Weights of the nodes in an integral, (n,).
-
-        Those at either end include the part beyond them of densities that decay like exp(-|y| / 2).
-        """
+        """Weights of the nodes in an integral, (n,), with the tails exp(-|y| / 2) beyond."""
         result = np.full(len(self.y), self.spacing)
         # The sum of a geometric series: the density goes on like exp(-|y| / 2) beyond its last
         # node.
@@ -139,10 +135,9 @@ class Rule:
         return _stepped(y / self.spacing, first, (weights * values).T)
 
     def _continued(self, density: Array) -> tuple[Array, Array]:
-        """Return nodes a third further out, and `density` (..., n) continued there.
+        """Return nodes a third further out, and `density` (..., n) continued like exp(-|y| / 2).
 
-        It is continued like exp(-|y| / 2).  Cut off at the ends, its interpolant would ripple
-        between all nodes, by several times the tolerance.
+        Cut off at the ends, its interpolant would ripple by several times the tolerance.
         """
         more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
         decay = np.exp(-more / 2)
@@ -159,10 +154,7 @@ def _sinc_step(x: Array) -> Array:
 
 
 def _stepped(x: Array, first: int, values: Array) -> Array:
-    """Return the integrals from -inf to x (m,) of sinc(x - k) times values, summed over k.
-
-    The integers k count from `first` on, one for each of the values (n,) or (n, r).
-    """
+    """Return integrals from -inf to x (m,) of sinc(x - k) times values, k from `first` on."""
     count = len(values)
     near = (x > first) & (x < first + count)
     if np.count_nonzero(near) < 6:  # few points are quicker with Si(pi x) at each
@@ -191,10 +183,7 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
 
 @lru_cache(maxsize=4)
 def _step_table(most: int) -> Array:
-    """Return the integral of sinc from -inf to j + f, (terms, 2 most + 1), j = most ... -most.
-
-    Of each the coefficients of its Chebyshev series in 0 <= f <= 1 are given.
-    """
+    """Return Chebyshev series in f of the integral of sinc to j + f, j = most ... -most."""
     orders = np.arange(_STEP_TERMS)
     turn = np.pi * (orders + 0.5) / _STEP_TERMS
     values = _sinc_step((1 + np.cos(turn))[:, None] / 2 + np.arange(most, -most - 1, -1.0))
@@ -204,20 +193,17 @@ def _step_table(most: int) -> Array:
 
 @lru_cache(maxsize=4)
 def _step_spectra(most: int) -> Array:
-    """Return the discrete Fourier transforms (terms, most + 1) of the rows of `_step_table`.
-
-    They are those of periods of 2 most integers j = 0 ... most - 1, -most ... -1.
-    """
+    """Return the Fourier transforms (terms, most + 1) of rows of `_step_table`, j = 0 ... -1."""
     return np.asarray(np.fft.rfft(np.roll(_step_table(most)[:, :0:-1], -most, axis=1)))
 
 
 def _sinc_step_at_nodes(most: int) -> Array:
-    """Return the integral of sinc from -inf to k at the integers -most ... most, (2 most + 1,).
+    """Return the integral of sinc from -inf to integers -most ... most, (2 most + 1,).
 
-    Si(pi k) = pi / 2 - (-1)^k f(pi k) with f(z) = int_0^inf exp(-s) z / (z^2 + s^2) ds. Importing
-    `scipy.special` for it would take half of the time of the first solution in a process.
+    Si(pi k) = pi / 2 - (-1)^k f(pi k), f(z) = int_0^inf exp(-s) z / (z^2 + s^2) ds: `scipy.special`
+    would take half of the time of the first solution.
     """
-    points, weights = _laguerre()
+    points, weights = _laguerre(60)  # off by 1.3e-15 at most; with 40 by 6e-14, with 80 by 4e-15
     k = np.arange(1.0, most + 1)
     z = np.pi * k
     f = (weights / (1 + (points / z[:, None]) ** 2)).sum(axis=1) / z
@@ -225,12 +211,7 @@ def _sinc_step_at_nodes(most: int) -> Array:
     return np.concatenate([0.5 - beyond[::-1], [0.5], 0.5 + beyond])
 
 
-@lru_cache(maxsize=1)
-def _laguerre() -> tuple[Array, Array]:
-    """Return points and weights of the quadrature, whose eigenvalues are not to be solved for each
-    rule."""
-    # Off by 1.3e-15 at most; with 40 by 6e-14, with 80 by 4e-15.
-    return np.polynomial.laguerre.laggauss(60)
+_laguerre = lru_cache(maxsize=1)(np.polynomial.laguerre.laggauss)
 
 
 @lru_cache(maxsize=_TABLES)
@@ -272,8 +253,7 @@ def _beyond(spacing: float) -> int:
 def _folded(kernel: Array, n: int, decay: Array) -> Array:
     """Return the matrix (n, n) from a density at node i to its integral at node j.
 
-    The kernel is given for j - i from 1 - n - b to n + b - 1, with b nodes more on either side, on
-    which the density is that of the last node times `decay` (b,).
+    The kernel is that of j - i from 1 - n - b to n + b - 1, `decay` (b,) continues the last node.
     """
     beyond = len(decay)
     # The kernel depends on j - i alone: every row is a window on the same values.

@@ -1,8 +1,7 @@
 """Integrals over slowness up to any point, of functions with roots at wave fronts and at their end.
 
-A panel [l, r] is mapped by v = l + (r - l) sin^2, which turns square roots at either end into
-analytic functions, and Gauss points on it converge geometrically.  Panels grow from the fronts a
-and b, and shrink towards the end of the integral where a pole lies just beyond it.
+Panels v = l + (r - l) sin^2 turn roots at either end into analytic functions; they grow from the
+fronts a and b, and shrink towards the end where a pole lies just beyond it.
 """
 
 from __future__ import annotations
@@ -52,13 +51,7 @@ def _growing(start: float, length: float, stop: float) -> list[float]:
 class RunningIntegral:
     """The integrals of some functions over slowness from the first panel on.
 
-    Attributes
-    ----------
-    factors : RayleighFactors
-        Whose fronts the points of the cut know.
-    slope : function of points on the cut and their distances from the last end
-    ends : (p + 1,) array
-        Ends of the panels.
+    `slope` takes points on the cut and their distances from the last of the `ends` (p + 1,).
     """
 
     factors: RayleighFactors
@@ -84,14 +77,9 @@ class RunningIntegral:
         from_left, to_right = width * sine**2, width * cosine**2
         v = left[:, None] + from_left
         fronts = np.array([0.0, self.factors.a, 1.0, self.factors.c])
-        parts = [
-            np.where(
-                left[:, None] == front,
-                from_left,
-                np.where(right[:, None] == front, -to_right, v - front),
-            )
-            for front in fronts
-        ]
+        away = [np.where(right[:, None] == front, -to_right, v - front) for front in fronts]
+        pairs = zip(fronts, away, strict=True)
+        parts = [np.where(left[:, None] == front, from_left, far) for front, far in pairs]
         # Counted from the end itself, beside which the function may be singular.
         to_stop = (self.ends[-1] - right)[:, None] + to_right
         values = self.slope(CutPoints(np.stack(parts).reshape(4, -1)), to_stop.ravel())

@@ -64,7 +64,6 @@ class StuckTraction:
 
     Attributes
     ----------
-    factors : RayleighFactors
     mode : "I", "II" or "III"
     slowness : float
         p, that of the front of the load over the slot, below the first front [b].
@@ -89,10 +88,7 @@ class StuckTraction:
         return v - self.slowness if self.slowness else v
 
     def derivative(self, u: ArrayLike) -> Array:
-        """Return d/du of the traction, Im M(-u + i0) / (pi kappa M_+(-p) (u - p) M_+(u)).
-
-        It is 0 for u < a.
-        """
+        """Return d/du, Im M(-u + i0) / (pi kappa M_+(-p) (u - p) M_+(u)); 0 for u < a."""
         u = np.asarray(u, dtype=float)
         inside = np.where(u > self.factors.a, u, 2.0)
         return np.where(u > self.factors.a, self.slope(self.factors.cut(inside)), 0.0)
@@ -162,10 +158,7 @@ class StuckTraction:
 
 
 class AntiplaneTraction(StuckTraction):
-    """The traction q* in mode III, (2/pi) (r - arctan r), for every solid.
-
-    r^2 is u/b - 1, over 1 - p/b for a front of slowness p.
-    """
+    """The traction q* in mode III, (2/pi) (r - arctan r) with r^2 = (u/b - 1) / (1 - p/b)."""
 
     def at(self, points: CutPoints) -> Array:
         """Return the traction at points on the cut; 0 ahead of the shear front."""
@@ -179,15 +172,7 @@ class AntiplaneTraction(StuckTraction):
 
 @lru_cache(maxsize=64)
 def stuck_traction(poisson_ratio: float, mode: Mode, slowness: float = 0.0) -> StuckTraction:
-    """Return p* (mode I) or q* (modes II and III) for a Poisson ratio; its tables are cached.
-
-    `slowness` is that of the front of the load over the slot [b], 0 for one that comes at once.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
+    """Return p* or q* for a Poisson ratio, and a front of slowness p [b], with cached tables."""
     if mode == "III":
         return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode, slowness)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode, slowness)
@@ -219,15 +204,7 @@ def stress_intensity(
 
 
 def front_share(material: Material, slowness: float, mode: Mode) -> float:
-    """Return K of a load whose front moves over K of one that comes at once, M_+(0) / M_+(-p).
-
-    Parameters
-    ----------
-    material : Material
-    slowness : float
-        p, that of the front along x [time / length], below that of the first wave.
-    mode : "I", "II" or "III"
-    """
+    """Return K under a front of slowness p [time / length] over K at once, M_+(0) / M_+(-p)."""
     if not slowness:
         return 1.0
     factors = rayleigh_factors(material.poisson_ratio, "III" if mode == "III" else "II")

@@ -60,19 +60,9 @@ def intensity_history(
     t: ArrayLike,
     shear_mode: Literal["II", "III"] = "II",
 ) -> tuple[Array, Array]:
-    """Return (K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t).
+    """Return (K_I, K_II) under P_0 f(t), Q_0 f(t) of a stuck interface [stress sqrt(length)].
 
-    The equations are (3.13), (3.16), (3.20).  The unit is [stress sqrt(length)], K_I > 0 in
-    compression; the result is exact for every history.
-
-    Parameters
-    ----------
-    history : LoadHistory
-    load : Tractions
-        Amplitudes (P_0, Q_0).
-    material : Material
-    t : times [time], any shape.
-    shear_mode : "III" for K_III in place of K_II.
+    By (3.13), (3.16), (3.20), exact for every history; K_I > 0 is compression, "III" gives K_III.
     """
     response = _root_response(history, np.asarray(t, dtype=float))
     mode_one, sheared = stress_intensity(material, load, 1.0, shear_mode)

@@ -169,24 +169,14 @@ def _trials(
         raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
     scene = scene_of_one_solid("fit", found)
     # All that can be refused is refused before the first solution is computed.
-    _check(gauges, scene, names, priors)
-    samples = Samples(gauges)
-    # A single sample has no span: its own time is then the scale of times, and 1 the last resort.
-    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
-    return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
-
-
-def _check(
-    gauges: tuple[Gauge, ...],
-    scene: Scene,
-    names: tuple[str, ...],
-    priors: Mapping[str, Prior],
-) -> None:
-    """Raise SceneError if the records cannot be fitted with these parameters."""
     for gauge in gauges:
         check_gauge(gauge, scene)
     check_names(names, gauges, scene)
     _check_priors(gauges, names, priors)
+    samples = Samples(gauges)
+    # A single sample has no span: its own time is then the scale of times, and 1 the last resort.
+    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
 
 
 def _check_priors(
@@ -202,9 +192,5 @@ def _check_priors(
                 f"{shown(prior)}."
             )
     samples = sum(len(one.t) for one in gauges)
-    checked_number(
-        "fit: the number of samples",
-        samples,
-        f"be at least that of parameters, {len(names)}",
-        lambda given: given >= len(names),
-    )
+    least = f"be at least that of parameters, {len(names)}"
+    checked_number("fit: the number of samples", samples, least, lambda n: n >= len(names))

@@ -92,12 +92,10 @@ class Gauge:
         if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             known = ", ".join(QUANTITIES)
             raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
-        if self.on_interface:
-            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
-            if self.y is not None:
-                raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
-        else:
-            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
+        object.__setattr__(self, "x", checked_number("gauge: x", self.x))
+        if self.on_interface and self.y is not None:
+            raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
+        if not self.on_interface:
             if self.y is None:
                 raise SceneError(f"gauge: {self.quantity} is of the bodies; say at which y.")
             object.__setattr__(self, "y", checked_number("gauge: y", self.y))
@@ -147,13 +145,7 @@ def _numbers(name: str, given: ArrayLike) -> Array:
 
 
 def checked_noise(given: ArrayLike, values: Array) -> float | Array:
-    """Return the standard deviation of samples, one number or (n,), after checking it.
-
-    Raises
-    ------
-    SceneError
-        If it is neither, or one is not positive, or not above the rounding of the values.
-    """
+    """Return the standard deviation of samples, one or (n,), above the rounding of values."""
     noise = _numbers("noise", given)
     if noise.shape not in ((), values.shape) or not np.all((noise > 0) & np.isfinite(noise)):
         raise SceneError(

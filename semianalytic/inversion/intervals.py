@@ -33,7 +33,6 @@ def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, 
         The lowest minimum.
     covariance : (p, p) array
         Covariance of the values over their sizes; infinite where data do not constrain them.
-    trials : Trials
 
     Returns
     -------
@@ -64,18 +63,10 @@ def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, 
 
 @dataclass
 class _Profile:
-    """The least chi2 as a function of one value.
+    """The least chi2 as a function of the value at `place`.
 
-    Attributes
-    ----------
-    best : Minimum
-    place : int
-        Place of the value.
-    path : (p,) array
-        Change of all values over one standard error of this one, as the last trial had it.
-    trials : Trials
-    lower : (p,) array, optional
-        Values whose chi2 is below that of the minimum, if a trial met any.
+    `path` (p,) is the change of all over one standard error of it, as the last trial had it;
+    `lower` are values whose chi2 is below that of the minimum, if a trial met any.
     """
 
     best: Minimum

@@ -30,11 +30,7 @@ CLOSE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class _Look:
-    """The samples of one kind.
-
-    It holds their indices, the first sample at each place and time, and for each sample which of
-    these and which component it is.
-    """
+    """Samples of one kind: indices, first at each place and time, and which and axis of each."""
 
     part: np.ndarray
     first: np.ndarray
@@ -71,10 +67,8 @@ class Samples:
     @cached_property
     def places(self) -> tuple[Array, Array]:
         """The positions x and y, (n,) each; y is 0 on the interface."""
-        return (
-            self._spread([one.x for one in self.gauges]),
-            self._spread([one.y or 0.0 for one in self.gauges]),
-        )
+        y = self._spread([one.y or 0.0 for one in self.gauges])
+        return self._spread([one.x for one in self.gauges]), y
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:

@@ -31,15 +31,7 @@ SETTLED = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """A minimum at which least squares ended.
-
-    Attributes
-    ----------
-    scaled : (p,) array, values over sizes
-    chi2 : float
-    jacobian : (n, p) array
-    converged : bool
-    """
+    """A minimum at which least squares ended, at values over sizes, with its Jacobian (n, p)."""
 
     scaled: Array
     chi2: float

@@ -29,9 +29,6 @@ class Trials:
 
     Attributes
     ----------
-    samples : Samples
-    unknowns : Unknowns
-    priors : mapping from names to Prior
     rtol : float
         Of solutions.
     count : int
@@ -171,11 +168,9 @@ class Trials:
         # pressure is held.
         frictions = [scene.coefficient for _, scene, _ in ready]
         if "base_pressure" in of_scene:
-            before = self.unknowns.scene.superposition.in_place.pressure
-            frictions = [
-                scene.coefficient * scene.superposition.in_place.pressure / before
-                for _, scene, _ in ready
-            ]
+            scenes = self.unknowns.scene, *(scene for _, scene, _ in ready)
+            before, *now = (scene.superposition.in_place.pressure for scene in scenes)
+            frictions = [f * p / before for f, p in zip(frictions, now, strict=True)]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
         answers = sweep(self.unknowns.scene, frictions, 1e-4, poisson_ratio=ratios)
         for (number, _, setup), answer in zip(ready, answers, strict=True):
@@ -184,19 +179,11 @@ class Trials:
 
     @cached_property
     def _pressure_is_strength(self) -> bool:
-        """Whether the base pressure changes what the gauges saw through f p alone.
-
-        If no load changes the pressure, friction and base pressure have an effect only by their
-        product.  The pressure itself is what gauges of pressure record, and part of stress in the
-        bodies.
-        """
+        """Whether the base pressure changes what gauges saw through f p alone."""
         scene, seen = self.unknowns.scene, {gauge.quantity for gauge in self.samples.gauges}
         steady = isinstance(scene.load, Tractions) and scene.load.pressure == 0
-        return (
-            steady
-            and scene.superposition.in_place.pressure > 0
-            and seen <= set(INTERFACE) - {"pressure"}
-        )
+        pressed = scene.superposition.in_place.pressure > 0
+        return steady and pressed and seen <= set(INTERFACE) - {"pressure"}
 
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
         """Return the misfits (n,) of a solution that is known."""
@@ -221,13 +208,10 @@ class Trials:
 
     def _known_before(self, scaled: Array) -> list[tuple[int, Normal | LogNormal, float]]:
         """Return index, prior and value of each unknown with a prior that is not uniform."""
-        values = scaled * self.sizes
-        priors = (
-            (number, self.priors.get(name)) for number, name in enumerate(self.unknowns.names)
-        )
+        values, priors = (scaled * self.sizes).tolist(), map(self.priors.get, self.unknowns.names)
         return [
-            (number, prior, float(values[number]))
-            for number, prior in priors
+            (number, prior, value)
+            for number, (prior, value) in enumerate(zip(priors, values, strict=True))
             if isinstance(prior, Normal | LogNormal)
         ]
 

@@ -59,16 +59,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Unknowns:
-    """The unknowns of a fit, with a scene and a set-up that hold all other parameters.
-
-    Attributes
-    ----------
-    names : tuple of str
-    scene : Scene
-    setup : Setup
-    duration : float
-        Of the records [time].
-    """
+    """The unknowns of a fit, a scene and set-up that hold the others, and records' duration."""
 
     names: tuple[str, ...]
     scene: Scene
@@ -94,11 +85,10 @@ class Unknowns:
         """Return the set-up with other values of some of its parameters."""
         setup = self.setup
         for name, value in values.items():
-            if name in SETUP:
-                setup = _with_setup(setup, name, value)
-            else:
-                gains = {**setup.gains, name.removeprefix(_LONE_GAIN): value}
-                setup = replace(setup, gains=gains)
+            changed: Any = {name: value}
+            if name not in SETUP:
+                changed = {"gains": {**setup.gains, name.removeprefix(_LONE_GAIN): value}}
+            setup = replace(setup, **changed)
         return setup
 
     def alone(self, name: str, scene: Any, setup: Setup) -> Self:
@@ -176,12 +166,6 @@ class Unknowns:
         # Sorted, for a negative traction turns the two around.
         low, high = sorted((value / 3, 2.5 * value))
         return low, high
-
-
-def _with_setup(setup: Setup, name: str, value: float) -> Setup:
-    if name == "t0":
-        return replace(setup, t0=value)
-    return replace(setup, x0=value) if name == "x0" else replace(setup, gain=value)
 
 
 def _of_front(scene: Scene) -> tuple[str, ...]:

@@ -52,9 +52,7 @@ def verdict(
 def _one_sided(best: Minimum, covariance: Array, trials: Trials) -> str:
     """Say which value can hardly be told though it is `OUT_OF_REACH` away; "" if none is.
 
-    Records that see too little of something often bound a value from one side only: noise makes a
-    shallow minimum beside values that fit as well.  The other unknowns go along as their covariance
-    with it has it, by which chi2 would rise by the square of the standard errors.
+    Noise makes a shallow minimum beside values that fit as well; others go along by covariance.
     """
     low, high = trials.bounds
     told = []

@@ -51,21 +51,7 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class SharedMemory:
-    """Several memory kernels with the same poles, static + Re sum residues exp(poles x) each.
-
-    Attributes
-    ----------
-    poles : (m,) complex array
-        One pole of each conjugate pair.
-    residues : (k, m) complex array
-        Twice the residue of a pair, for every kernel.
-    static : (k,) array
-        Limits of the kernels for long times.
-    horizon : float
-        Largest q c_t t for which the sums are made.
-    error : float
-        Largest error of a transform on Re s = 1/horizon over its largest value.
-    """
+    """Kernels like `Memory` with the same poles: residues are (k, m), and static is (k,)."""
 
     poles: Complex
     residues: Complex
@@ -99,54 +85,26 @@ class KernelTransforms(Protocol):
 
 @lru_cache(maxsize=32)
 def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory:
-    """Fit poles and residues to the memory of an impedance; results are cached.
-
-    Parameters
-    ----------
-    impedance : Impedance
-        G of in-plane or antiplane shear.
-    horizon : float
-        Largest q c_t t that will be asked for.
-    tolerance : float
-        Relative error of the transform at which to stop.
+    """Fit poles and residues to the memory of an impedance up to q c_t t = `horizon`, cached.
 
     Raises
     ------
     ComputationError
-        If the tolerance is not met.
+        If the relative error of the transform stays above the tolerance.
     """
     static = impedance.static
 
     def remainder(s: Complex) -> Complex:
         # what is left of G - 1 without the static stiffness, bounded at s = 0
-        return impedance(s) - 1 - static / s
+        return (impedance(s) - 1 - static / s)[None]
 
-    poles, residues, error = fitted(
-        lambda s: remainder(s)[None], impedance.branches, horizon, tolerance
-    )
+    poles, residues, error = fitted(remainder, impedance.branches, horizon, tolerance)
     return Memory(poles, residues[0], static, horizon, error)
 
 
 @lru_cache(maxsize=32)
 def fit_shared(kernels: KernelTransforms, horizon: float, tolerance: float) -> SharedMemory:
-    """Fit poles that several kernels have in common, and their residues; results are cached.
-
-    Kernels are fitted relative to their own sizes, by set-valued AAA (one set of support points).
-
-    Parameters
-    ----------
-    kernels : KernelTransforms
-        Transforms of the kernels.
-    horizon : float
-        Largest q c_t t that will be asked for.
-    tolerance : float
-        Relative error of the transforms at which to stop.
-
-    Raises
-    ------
-    ComputationError
-        If the tolerance is not met.
-    """
+    """Fit poles that kernels have in common, by set-valued AAA, and their residues; cached."""
     direct, static = kernels.direct[:, None], kernels.static[:, None]
 
     def remainder(s: Complex) -> Complex:
@@ -155,14 +113,12 @@ def fit_shared(kernels: KernelTransforms, horizon: float, tolerance: float) -> S
     sizes = np.abs(remainder(samples(kernels.branches, horizon, SAMPLES))).max(axis=1)
     # Smaller kernels do not matter, and rounding of 1e-11 of the largest hides them.
     sizes = np.maximum(sizes, 1e-3 * sizes.max())[:, None]
-    poles, residues, error = fitted(
-        lambda s: remainder(s) / sizes, kernels.branches, horizon, tolerance
-    )
+
+    def relative(s: Complex) -> Complex:
+        return remainder(s) / sizes
+
+    poles, residues, error = fitted(relative, kernels.branches, horizon, tolerance)
     waves, parts = kernels.lasting
-    return SharedMemory(
-        np.concatenate([poles, waves]),
-        np.concatenate([residues * sizes, 2 * parts], axis=1),
-        kernels.static,
-        horizon,
-        error,
-    )
+    poles = np.concatenate([poles, waves])
+    residues = np.concatenate([residues * sizes, 2 * parts], axis=1)
+    return SharedMemory(poles, residues, kernels.static, horizon, error)

@@ -209,15 +209,7 @@ class LineMemory:
         return self._tables[step]
 
     def advance(self, amplitudes: Array, step: float) -> Array:
-        """Step on; return the convolutions at the end without the rate there, (k, rows, size).
-
-        Parameters
-        ----------
-        amplitudes : (rows, size) array
-            Amplitudes of the rate at the beginning of the step.
-        step : float
-            c_t dt [length].
-        """
+        """Step on by c_t dt [length] from rates (rows, size); return convolutions but their end."""
         if self._last != step:
             # The memory lacks the share of the newest rate as the table of the last step has it;
             # the table of this step has another share, which its `gain` adds.

@@ -67,10 +67,9 @@ def samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
 
 
 def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
-    """Return the stable poles with Im >= 0 of rational approximations to values (k, n) at s (n,).
+    """Return the stable poles with Im >= 0 of approximations to values (k, n) at s (n,).
 
-    By set-valued AAA: all k functions have the same support points and weights.  Support points
-    come in conjugate pairs, which makes the approximation real on the real axis.
+    By set-valued AAA: k functions share support points, in conjugate pairs, and weights.
     """
     from scipy.linalg import eigvals  # here, for `import semianalytic` is to be quick
 
@@ -132,8 +131,7 @@ def _split(poles: Complex) -> tuple[Complex, Array]:
 def _columns(s: Complex, poles: Complex) -> Complex:
     """Return the matrix (n, unknowns) from residues to values of the transform at s.
 
-    The unknowns are the real parts, then the imaginary parts of the residues of pairs, then the
-    residues of real poles.
+    Unknowns are real, then imaginary parts of residues of pairs, then those of real poles.
     """
     pairs, real = _split(poles)
     upper, lower = 1 / (s[:, None] - pairs), 1 / (s[:, None] - pairs.conj())

@@ -58,6 +58,11 @@ def override_scene(
     words = {name: one for name, one in (("mode", mode), ("load_on", load_on)) if one is not None}
     load = overridden_load(scene.load, loads, {**waves, "kind": wave, "from_": wave_from})
     lower = {name: given.pop(name) for name in list(given) if name.startswith("lower_")}
+    if missing := sorted(given.keys() - numbers_of(scene).keys()):
+        raise SceneError(
+            f"{missing[0]} is no number of this scene: it varies along x, or its friction law has "
+            "none; change the scene itself."
+        )
     scene = with_numbers(scene, given, load=load, **words)
     if not lower:
         return scene

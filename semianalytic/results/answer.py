@@ -188,13 +188,7 @@ def checked_arrival(of: object) -> str:
 
 
 def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-    """Return all fields of an answer at positions x (n,) [length] and times t (m,) [time].
-
-    Raises
-    ------
-    SceneError
-        If so many points would take more than 70 % of the available memory.
-    """
+    """Return all fields at x (n,) [length] and t (m,) [time]; refuse 70 % of the memory."""
     x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
     # Looking at the memory takes longer than small histories do.
     if x.size * t.size > 100_000:  # so many take a third of a gigabyte

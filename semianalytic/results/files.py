@@ -119,13 +119,7 @@ def new_file(
 
 
 def write_bytes(path: str | Path, data: Any, seal: Seal | None = None) -> None:
-    """Write bytes, or any buffer, as a file that appears complete or not at all.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
+    """Write bytes as a file that appears complete or not at all; DataFileError if it cannot."""
     end = b"" if seal is None else seal.of(hashlib.sha256(data).hexdigest())
     with new_file(path, len(data) + len(end)) as part, part.open("r+b") as stream:
         stream.write(data)
@@ -182,29 +176,13 @@ def sealed_hdf5(path: str | Path) -> Iterator[Any]:
 
 
 def check_seal(path: str | Path) -> None:
-    """Raise an error unless a file ends in its seal.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If its seal is broken or missing.
-    """
+    """Raise OSError if a file cannot be read, ValueError if its seal is broken or missing."""
     if not has_seal(path):
         raise ValueError(_UNSEALED)
 
 
 def has_seal(path: str | Path) -> bool:
-    """Return whether a file ends in a seal.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If the seal does not match what comes before it.
-    """
+    """Return whether a file ends in a seal; raise ValueError if it does not match the rest."""
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         start = max(size - 160, 0)
@@ -231,13 +209,7 @@ def row_checksum(cells: list[str]) -> str:
 
 
 def make_folder(folder: Path) -> list[Path]:
-    """Make a folder and those above it; return those that were missing, innermost first.
-
-    Raises
-    ------
-    OSError
-        If that is impossible; none of them is left then.
-    """
+    """Make a folder and those above; return missing ones, innermost first, or none if it fails."""
     missing = []
     for place in (folder, *folder.parents):
         if place.exists():

@@ -47,17 +47,7 @@ def kind_of_slip(sense: int) -> str:
 
 
 def html_table(caption: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in HTML.
-
-    Parameters
-    ----------
-    caption : str
-        Sentence above the table.
-    columns : sequence of str
-        Headings.
-    rows : iterable of sequence of str
-        Cells, as many in each row as there are columns.  All text is escaped.
-    """
+    """Return a caption, headings and rows of cells as a table in HTML; all text is escaped."""
     head = "".join(f"<th>{escape(one)}</th>" for one in columns)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows

@@ -12,10 +12,7 @@ GIGABYTE = 10**9
 
 _MEMINFO = Path("/proc/meminfo")
 _GROUPS = (
-    (
-        Path("/sys/fs/cgroup/memory.max"),
-        Path("/sys/fs/cgroup/memory.current"),
-    ),
+    (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")),
     (
         Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
         Path("/sys/fs/cgroup/memory/memory.usage_in_bytes"),
@@ -58,13 +55,7 @@ def _of_machine() -> int | None:
 
 
 def memory_limit(limit: float | None) -> int:
-    """Return the limit that was given, or 70 % of the available memory [bytes].
-
-    Raises
-    ------
-    SceneError
-        If it is not a positive finite number.
-    """
+    """Return the limit that was given, or 70 % of the available memory [bytes]."""
     if limit is None:
         return int(0.7 * available_memory())
     return int(

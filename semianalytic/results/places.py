@@ -29,25 +29,13 @@ def contact_positions(x: ArrayLike) -> Array:
 
 
 def contact_points(x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
-    """Return positions on the contact and times as arrays of one shape.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or x or t is not finite.
-    """
+    """Return positions x > 0 and times as arrays of one shape; raise SceneError for others."""
     x, t = np.broadcast_arrays(contact_positions(x), finite_times(t))
     return x, t
 
 
 def line_points(x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
-    """Return positions on the whole line and times as arrays of one shape.
-
-    Raises
-    ------
-    SceneError
-        If x or t is not finite.
-    """
+    """Return positions and times as arrays of one shape; raise SceneError if not finite."""
     x, t = np.broadcast_arrays(line_positions(x), finite_times(t))
     return x, t
 

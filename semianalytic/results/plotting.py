@@ -96,8 +96,7 @@ def _labelled(what: str, unit: str) -> str:
 
 
 def _map(answer: Any, history: Any, ax: Any) -> Any:
-    """Draw the slip rate over x and t, and wave fronts: from the edge at t = 0, or from where slip
-    begins on a line."""
+    """Draw the slip rate over x and t, and wave fronts from the edge or from where slip begins."""
     length, time, _ = _units(answer)
     x, t, rate = history.x, history.t, history.slip_rate
     origin, begin, sign = 0.0, 0.0, 1
@@ -112,16 +111,9 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
     most = np.quantile(slips, 0.99) if slips.size else 1.0  # it may be infinite at the edge
     # as many cells as a picture has pixels: levels and nodes may be tens of thousands
     rows, columns = (slice(None, None, -(-len(one) // _POINTS)) for one in (t, x))
-    mesh = ax.pcolormesh(
-        x[columns] * length[0],
-        t[rows] * time[0],
-        rate[rows, columns],
-        cmap="RdBu_r",
-        vmin=-most,
-        vmax=most,
-        shading="nearest",
-        rasterized=True,
-    )
+    cells = x[columns] * length[0], t[rows] * time[0], rate[rows, columns]
+    colours = {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
+    mesh = ax.pcolormesh(*cells, **colours, shading="nearest", rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, label="slip rate" + " [m/s]" * (answer.scene.units == SI))
     for name, speed in _waves(answer).items():
         run = min(t[-1] - begin, abs(x[-1 if sign > 0 else 0] - origin) / speed)
@@ -134,10 +126,7 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
 
 
 def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
-    """Draw slip rate, and tractions where there are two axes, over x at a time.
-
-    Returns the limits of x and of the axes, which an earlier picture gives a later one.
-    """
+    """Draw slip rate, and tractions on a second axis, over x at a time; return limits for later."""
     length, time, stress = _units(answer)
     known: Any = getattr(answer, "interface", None)
     nodes, touching = getattr(known, "x", None), getattr(known, "touching", None)
@@ -153,9 +142,8 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     upper = panels[0]
     rate = answer.slip_rate(x, end)
     finite = np.abs(rate[np.isfinite(rate)])
-    tallest = max(
-        _TALLEST * np.quantile(finite, 0.99), finite.min()
-    )  # it may be infinite at points
+    # it may be infinite at points
+    tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
     upper.plot(x * length[0], np.where(np.abs(rate) <= tallest, rate, np.nan))
     upper.set_ylabel("slip rate" + " [m/s]" * (answer.scene.units == SI))
     upper.set_title(f"t = {end * time[0]:.4g} {time[1]}".removesuffix(" time"), loc="left")

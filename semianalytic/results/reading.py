@@ -162,9 +162,8 @@ def self_similar_reading(
                 change = np.fmax(change, np.abs(beside - value))
             error = share * (np.abs(value) + scales[name]) + change
         at_rest = t < 0
-        fields[name] = Measured(
-            value, np.where(at_rest, 0.0, np.where(np.isnan(error), np.inf, error))
-        )
+        error = np.where(np.isnan(error), np.inf, error)
+        fields[name] = Measured(value, np.where(at_rest, 0.0, error))
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 
@@ -204,10 +203,7 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
 
 
 def _around(fine: Array, coarse: Array, x: Array) -> tuple[list[Array], float]:
-    """Return the places around positions x that count for them, and the distance between them.
-
-    `fine` (n,) are the nodes of the answer and `coarse` (m,) those of its companion [length].
-    """
+    """Return the places that count around x for answer and companion, and their distance."""
     step = float(coarse[1] - coarse[0]) if len(coarse) > 1 else float(coarse[0])
     # The contact that both answers know ends one node distance beyond the last node.
     reach = min(nodes[-1] + nodes[0] for nodes in (fine, coarse))
@@ -276,10 +272,7 @@ def _steep(answer: Any, x: Array, t: Array) -> NDArray[np.bool_]:
 
 
 def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_]:
-    """Return where the edge of a slip zone lies among places around points.
-
-    The traction ahead of it has a square root, which a grid sees from one node on.
-    """
+    """Return where the edge of a slip zone, with a root of traction, is among places."""
     slips = [np.asarray(answer.slip_rate(place, t)) != 0 for place in places]
     return np.asarray(np.any(slips, axis=0) & ~np.all(slips, axis=0))
 
@@ -287,8 +280,7 @@ def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_
 def _on_front(scene: Scene, x: Array, t: Array, width: float) -> NDArray[np.bool_]:
     """Return where a wave from the tip has its front within a width [length].
 
-    A traction has a cusp or a jump there, which a grid rounds off: errors fall with less than half
-    an order, so that the difference from the companion is a part of them only.
+    A grid rounds off a cusp or jump: the difference from the companion is a part of the error only.
     """
     begins = {0.0, *(at for one in scene.acting_histories.values() for at in one.pieces.breaks)}
     material = scene.material

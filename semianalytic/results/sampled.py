@@ -36,16 +36,8 @@ Array = NDArray[np.float64]
 class Totals:
     """Totals of the whole contact at every step, stored or not, as (m,) arrays.
 
-    Attributes
-    ----------
-    t : (m,) array
-        Times, increasing from 0, or before it as the record does [time].
-    max_slip : (m,) array
-        Largest |slip| at each time [length].
-    accumulated_slip : (m,) array
-        Integral over the contact of the accumulated |slip| [length^2].
-    frictional_work : (m,) array
-        Energy turned to heat per unit depth until each time [stress length^2].
+    Times t increase from 0 or before; max_slip [length], accumulated_slip [length^2], and
+    frictional_work [stress length^2] are until each time.
     """
 
     t: Array
@@ -117,8 +109,15 @@ class SampledAnswer(Questions, Gridded):
         return onsets(self.interface, of, share)
 
     def _places(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=float)
-        _check_positions(x, self.interface.x)
+        x, nodes = contact_positions(x), self.interface.x
+        # Nodes are the middles of cells: the last ends as far beyond its node as the first begins
+        # before its own.
+        reach = nodes[-1] + nodes[0]
+        if np.any(x > reach * (1 + ROUNDING)):
+            raise SceneError(
+                f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it "
+                "on a greater length or to a later end time."
+            )
         return x
 
     def _between(self, values: Array, x: ArrayLike, t: ArrayLike) -> Array:
@@ -142,32 +141,9 @@ class SampledAnswer(Questions, Gridded):
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
-    """Interpolate a field linearly between the samples of a history; beyond them take the nearest.
-
-    Parameters
-    ----------
-    history : InterfaceHistory
-        The samples.
-    name : str
-        Name of the field, such as "slip_rate".
-    x, t : arrays of one shape
-        Positions [length] and times [time].
-    """
+    """Interpolate a field at x, t linearly between samples; beyond them take the nearest."""
     (left, right, along), (earlier, later, on) = between(history.x, x), between(history.t, t)
     field = getattr(history, name)
     before = (1 - along) * field[earlier, left] + along * field[earlier, right]
     after = (1 - along) * field[later, left] + along * field[later, right]
     return np.asarray((1 - on) * before + on * after)
-
-
-def _check_positions(x: Array, nodes: Array) -> None:
-    """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
-    contact_positions(x)
-    # Nodes are the middles of cells: the last cell ends as far beyond its node as the first begins
-    # before its own.
-    reach = nodes[-1] + nodes[0]
-    if np.any(x > reach * (1 + ROUNDING)):
-        raise SceneError(
-            f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it on a "
-            "greater length or to a later end time."
-        )

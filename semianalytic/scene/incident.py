@@ -324,6 +324,11 @@ def overridden_load(
     """
     waved: dict[str, Any] = {name: one for name, one in of_wave.items() if one is not None}
     given: dict[str, Any] = {name: one for name, one in of_tractions.items() if one is not None}
+    if isinstance(load, tuple) and (waved or given):
+        raise SceneError(
+            "load: the scene has several loads; change one of them in its file, or vary it as "
+            "load_1_shear in a survey."
+        )
     if waved and given:
         raise SceneError(
             "load: give either a wave or the tractions and speed of a load, got "

@@ -369,10 +369,6 @@ class Scene(AlongLine):
         return not self.contact.is_whole
 
     @property
-    def _has_usual_slot(self) -> bool:
-        return not isinstance(self.load, WITHOUT_SLOT)
-
-    @property
     def kind(self) -> str:
         """What the table of methods calls it."""
         if self.on_line:

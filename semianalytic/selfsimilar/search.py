@@ -40,19 +40,7 @@ from semianalytic.selfsimilar.zones.placement import (
 
 @dataclass(frozen=True)
 class Trial:
-    """Zones that were tried, with their fields.
-
-    Attributes
-    ----------
-    placement : Placement
-        Positions of their edges.
-    profile : Profile
-        Their fields on a rule.
-    lawful : bool
-        Whether they satisfy Coulomb's law on that rule.
-    steps, sets : int
-        Numbers of Newton steps and of sets of zones that were needed.
-    """
+    """Zones that were tried, fields on a rule, whether lawful there, Newton steps and zone sets."""
 
     placement: Placement
     profile: Profile
@@ -63,8 +51,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rule on which edges are located, the shift [c_t] that may be left, and the checking
-    rule."""
+    """The rule that locates edges, the shift [c_t] that may be left, and the checking rule."""
 
     locating: Rule
     shift: float
@@ -74,8 +61,7 @@ class _Rules:
 def _search(
     factors: RayleighFactors, load: Load, rtol: float, tolerance: float
 ) -> tuple[Trial, int]:
-    """Return lawful zones on the rule of a tolerance, trying one guess after another, and the
-    pivots."""
+    """Return lawful zones on the rule of a tolerance, guess after guess, and the pivots."""
     checking = rule_for(tolerance)
     shift = max(0.1 * rtol, 1e-7)  # shift of edges [c_t] that ends Newton's method
     trial = _unlawful(placement_of(factors, (), load), load, checking)
@@ -98,7 +84,6 @@ def loose_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[Tri
 
 def strict_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[Trial, int]:
     """Run `_search` for zones that slip so little that a loose rule does not show them."""
-    # What hardly slips is driven by less than a loose rule can tell.
     return _search(factors, load, _strict(rtol), min(loose_tolerance(rtol), 1e-9))
 
 
@@ -147,12 +132,7 @@ def _unlawful(placement: Placement, load: Load, rule: Rule) -> Trial:
 # Numbers that overflow end in a status, not in a warning.
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def refined_zones(trial: Trial, rtol: float) -> tuple[Trial, float]:
-    """Improve the edges on finer and finer rules until a coarser companion agrees to rtol.
-
-    Returns
-    -------
-    The trial, with the number of steps that were taken, and its error estimate.
-    """
+    """Improve edges on finer rules until a companion agrees to rtol; return trial and estimate."""
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
     start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
@@ -220,12 +200,7 @@ def affordable(fields: ZoneFields, tolerance: float) -> float:
 def checked_zones(
     trial: Trial, refined: Trial, estimate: float, rtol: float
 ) -> tuple[Trial, float]:
-    """Check refined zones to rtol, and solve for corrected zones where they break Coulomb's law.
-
-    Returns
-    -------
-    The trial, with the numbers of all its steps and sets of zones, and its error estimate.
-    """
+    """Check refined zones to rtol, correct and solve if need be; return trial and estimate."""
     refined, fields = replace(refined, steps=trial.steps + refined.steps), refined.profile.fields
     # The search has checked the law on this very rule.
     if fields.rule is trial.profile.fields.rule:

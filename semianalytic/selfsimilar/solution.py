@@ -105,8 +105,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         return zones_table(self.scene, self.zones, self.openings, caption)
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
-        """Evaluate a field over slowness, (m,) or several (k, m), at x and t; it is 0 before t =
-        0."""
+        """Evaluate a field over slowness, (m,) or (k, m), at x and t; it is 0 before t = 0."""
         return over_slowness(self.scene.material.shear_speed, x, t, field)
 
     @property
@@ -123,10 +122,9 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     @cached_property
     def _motion(self) -> tuple[SlipZone, ...]:
         """Parts of the interface where the sides move along one another, in contact or open."""
-        speed = self.scene.material.shear_speed
         moving = self.zones
         for opening in self.openings:
-            moving = motion(self.profile, moving, opening, speed)
+            moving = motion(self.profile, moving, opening, self.scene.material.shear_speed)
         return moving
 
     @property
@@ -190,8 +188,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
 
     def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
-        """Return a slip field of the normal problem over slowness; 0 where the contact is
-        closed."""
+        """Return a slip field of the normal problem over slowness; 0 where it is closed."""
         normal = self.normal
         return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
@@ -386,12 +383,12 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         ComputationError
             If the zones on either side are of another kind, however near.
         """
-        from semianalytic.selfsimilar.derivatives.derivative import Known, differentiated
+        from semianalytic.selfsimilar.derivatives.derivative import differentiated
 
         # `differentiated` gets plain numbers, so that its module need not import this one.
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
-        known = Known(zones, self.status)
-        return differentiated(self.scene, self._surroundings, self.stress_unit, known, name)
+        solved = self.scene, self._surroundings, self.stress_unit
+        return differentiated(solved, zones, self.status, name)
 
     @cached_property
     def _bodies(self) -> Bodies:
@@ -427,7 +424,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
             rows = self.velocity(x, 0.0, t)
             return rows[-1 if self.scene.antiplane else 0], rows[1]
         # The velocity of one face has half the unit of the relative slip rate.
-        unit = self._rate_unit / 2
         both = self._evaluate(-x, t, lambda v: np.stack(self._slot_faces.velocity(v)))
-        tangential, normal = both
-        return unit * tangential, unit * normal
+        tangential, normal = self._rate_unit / 2 * both
+        return tangential, normal

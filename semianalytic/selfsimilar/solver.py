@@ -123,7 +123,8 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     if load.resistance is not None and load.resistance > tuning.STRONGEST_RESISTANCE:
         raise SceneError(
             "solve: under so large a viscosity slip is below rounding; make it less than "
-            f"{_strongest_viscosity(scene):.3g} (docs/limits.md)."
+            f"{tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2:.3g} "
+            "(docs/limits.md)."
         )
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     # The normal problem comes first: slip does not change the pressure (docs/separation.md).
@@ -162,17 +163,11 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
 
 
-def _strongest_viscosity(scene: Scene) -> float:
-    """Return the largest viscosity for which a scene is solved [stress time / length]."""
-    # eta = 2 viscosity / (rho c_t), as in `scaled_load`, solved for the viscosity.
-    return tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2
-
-
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
-    """Solve a scene whose strength depends on slip rate, from its solution under constant friction.
+    """Solve a scene of rate-dependent strength, by Newton's method from its constant friction.
 
-    If several solutions exist, this is the one to which Newton's method leads from there
-    (docs/rate.md, "Newton's method for any smooth law").
+    If several solutions exist, this is the one to which the method leads from there (docs/rate.md,
+    "Newton's method for any smooth law").
     """
     clock, coulomb = [perf_counter()], replace(scene, friction=scene.coefficient)
     dry = solve(coulomb, rtol=max(rtol, 1e-8))
@@ -226,21 +221,18 @@ def _status(best: Trial, estimate: float, rtol: float) -> str:
     if estimate > rtol:
         finer = max(rtol / tuning.RULE_SHARE, tuning.FINEST_RULE)
         costly = affordable(best.profile.fields, finer) > finer
-        most = f"{tuning.MOST_NODES:,}"
-        more = f", for which more than {most} nodes and far more than seconds are needed"
+        more = f", for which more than {tuning.MOST_NODES:,} nodes and far more than seconds"
         exceeds = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
-        return exceeds + more * costly + nearly
+        return exceeds + f"{more} are needed" * costly + nearly
     return "converged"
 
 
 def _nearly_at_friction(load: Load) -> str:
-    """Return the end of a status that says what to change about a base just below friction.
-
-    Under a base that dwarfs the step, what then keeps the interface stuck is rounding of the base.
-    """
+    """Return the end of a status that says what to change about a base just below friction."""
     strength = float(load.friction) * load.base_pressure
     step = max(abs(load.load_shear), float(load.friction) * abs(load.load_pressure))
     lack = strength - abs(load.base_shear)
+    # Under a base that dwarfs the step, rounding of the base is what then keeps it stuck.
     # Bases at friction, and all that lack 1e-8 of it or more, converge (18 kinds of scene).
     nearly = 0 < lack < 1e-8 * strength
     if load.critical or not nearly or not step < 1e-2 * strength:

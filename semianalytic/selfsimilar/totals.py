@@ -32,16 +32,7 @@ from semianalytic.selfsimilar.zones.motion import SlipZone, over_slowness
 class ContactTotals:
     """What slips on the contact, and what friction takes there.
 
-    Attributes
-    ----------
-    scene : Scene
-        Its shear wave speed, and its slip ahead of all waves, are used.
-    profile : Profile
-        Fields over slowness, in units b = mu = 1 and `stress_unit`.
-    moving : tuple of SlipZone
-        Parts of the interface where the sides move along one another, in contact or open.
-    rate_unit, stress_unit : float
-        Units of the relative slip rate [length / time] and of stress.
+    `profile` is in `rate_unit` and `stress_unit`; `moving` are parts in contact or open.
     """
 
     scene: Scene
@@ -57,22 +48,12 @@ class ContactTotals:
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]."""
         unit = self.rate_unit * self.stress_unit / self._speed
-
-        def at_slowness(u: Array) -> Array:
-            return np.asarray(dissipation(self.profile, u)[1])
-
         # At fixed x, an integral over time is x / c_t times one over slowness.
-        heat = over_slowness(self._speed, x, t, at_slowness)
+        heat = over_slowness(self._speed, x, t, lambda u: dissipation(self.profile, u)[1])
         return unit * np.asarray(x, dtype=float) * heat
 
     def power(self, t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> Array:
-        """Return the power turned to heat between two positions [stress length^2 / time].
-
-        Raises
-        ------
-        SceneError
-            If inner is negative, infinite or above outer, or t is not finite.
-        """
+        """Return the power turned to heat between two positions [stress length^2 / time]."""
         t, inner, outer = _intervals(t, inner, outer)
         time = np.maximum(t, 0.0)
         # The power beyond `inner` less the power beyond `outer`.
@@ -81,10 +62,7 @@ class ContactTotals:
         return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
 
     def _power_per_time(self, x: Array, time: Array) -> Array:
-        """Return the power beyond x over time, in units of `profile`.
-
-        Slip ahead of all waves counts from the longitudinal front.
-        """
+        """Return the power beyond x over time, in units of `profile`, behind the first front."""
         value = np.full(x.shape, self._whole_power)
         # Slip ahead of all waves dissipates without bound; counted from the longitudinal front,
         # what lies beyond x = inf is then minus infinity, and the power of the contact +infinity.
@@ -108,13 +86,7 @@ class ContactTotals:
         return twice / 2
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Return the integral over the contact of the |slip| accumulated until t [length^2].
-
-        Raises
-        ------
-        SceneError
-            If a time is not finite.
-        """
+        """Return the integral over the contact of |slip| until t [length^2]."""
         time = np.maximum(finite_times(t), 0.0)
         rate = math.inf if self.scene.far_slip_rate else self.rate_unit * self._whole_rate
         # The integral of |V| over x is proportional to t, and its time integral to t^2 / 2.

@@ -21,17 +21,7 @@ RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 
 @dataclass(frozen=True)
 class NormalFields:
-    """Pressure and gap of a contact that opens, b = mu = 1 and in the stress unit of its load.
-
-    Attributes
-    ----------
-    opening : OpenPart
-        Edges of the opening.
-    profile : Profile
-        Fields, with minus pressure as traction and the opening of one side as slip.
-    error : float
-        Estimate of the error of edges, pressure and rate of the gap.
-    """
+    """Pressure and gap where the contact opens: minus pressure as traction, gap as slip."""
 
     opening: OpenPart
     profile: Profile
@@ -93,10 +83,8 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> NormalField
     tolerance = max(rtol * RULE_SHARE, LEAST_TOLERANCE)
     of_load = poisson_ratio, load.base_pressure, load.load_pressure
     opening = opening_of(*of_load, tolerance, load.slowness)
-    while (
-        # Slip zones are placed with the rest of rtol, which the opening must not use up.
-        opening and opening.error > 0.2 * rtol and tolerance > LEAST_TOLERANCE
-    ):
+    # Slip zones are placed with the rest of rtol, which the opening must not use up.
+    while opening and opening.error > 0.2 * rtol and tolerance > LEAST_TOLERANCE:
         tolerance = max(tolerance * RULE_SHARE, LEAST_TOLERANCE)
         opening = opening_of(*of_load, tolerance, load.slowness)
     if opening is None:

@@ -141,10 +141,7 @@ def detached_opening(
 
 
 def _shift(one: Zone, other: Zone) -> float:
-    """Return the largest difference of the velocities of edges, over c_t.
-
-    For a narrow opening it is taken over the width instead, which determines the gap's error.
-    """
+    """Return the largest difference of edge velocities over c_t, or a narrow opening's width."""
     pairs = ((one.left, other.left), (one.right, other.right))
     ends = [(float(1 / p.v[0]), float(1 / q.v[0])) for p, q in pairs if p and q]
     largest = max(abs(before - after) for before, after in ends)
@@ -175,8 +172,8 @@ def _located(problem: Detached) -> tuple[Array, Array]:
 class Detached:
     """An opening around c under P_0 = 1 on a base, with its edges as unknowns.
 
-    The first unknown is the logit of the opening edge between a and c, the second the logarithm of
-    the distance of the closing edge from c.
+    They are the logit of the opening edge in (a, c), and the log distance of the closing one from
+    c.
     """
 
     poisson_ratio: float
@@ -234,8 +231,8 @@ class Detached:
     def _tried_openings(self) -> Array:
         """Return opening edges to try, as unknowns (m,), from where the stuck pressure is zero on.
 
-        They lie ahead of that place near the longitudinal front, where the pressure falls like a
-        root at first, else behind it, and on one side of every cut.
+        They are ahead of it near c_l, where pressure falls like a root, else behind, on one side of
+        cuts.
         """
         factors, logits = self.factors, np.linspace(-40.0, 40.0, 321)
         width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I", self.slowness)
@@ -293,8 +290,7 @@ class Left:
         """Residuals of the two conditions, (2,) or (2, k).
 
         They are the pressure left where the contact opens, over its base, and the gap left where it
-        closes, over the gap that R alone would leave.  Since the rate of the gap is known, its
-        slope may be weighted with v - c instead of v.
+        closes, over that of R alone; the known rate of the gap lets v - c weight its slope.
         """
         slope, base = self.fields.traction_slope, -self.fields.load.base_shear
         pressure = base - self._whole(slope) - self.term * self._whole(slope * self._share)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -59,10 +59,9 @@ class ContinuedZones:
 def batches(
     edges: Edges, starts: Sequence[Array], trusted: Sequence[bool] | None = None
 ) -> Iterator[list[int]]:
-    """Group sets of zones that may share panels.
+    """Group sets of zones that may share panels, those of trusted predictions last.
 
-    In a group every edge lies on one side of every cut, and close to one front or to none.  Sets
-    whose prediction is trusted come last.
+    In a group every edge lies on one side of every cut, and close to one front or to none.
     """
     # Panels are divided at fronts and cuts, and distances are counted from the nearest front, so
     # that sets of zones share panels only where their edges agree in both.
@@ -130,10 +129,8 @@ def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Arra
 
 
 def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Array, int]:
-    """Find unknowns (e, k) on a rule by Newton's method.
-
-    Returned are the unknowns, inverse Jacobians (k, e, e), the last moves (k,), infinite for sets
-    that did not converge, and the steps taken.
+    """Return unknowns (e, k) on a rule, inverse Jacobians, last moves (inf if they fail), and
+    steps.
     """
     size, count = start.shape
     unknowns, inverse = start.copy(), np.zeros((count, size, size))
@@ -171,8 +168,8 @@ def approached(
 ) -> tuple[Array, Array, Array, int]:
     """Take Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
 
-    Returned are the unknowns (e, k), or the start where the steps failed; inverse Jacobians; the
-    contraction of a step (k,), infinite where they failed; and the steps taken.
+    Return unknowns (e, k), or the start where steps failed; inverse Jacobians; contractions (k,),
+    infinite where they failed; and the steps taken.
     """
     count = start.shape[1]
     unknowns, inverse = start.copy(), neighbours.copy()
@@ -211,11 +208,10 @@ def approached(
 def _located(
     sets: ZoneSets, start: Array, neighbours: Array, doubt: Array, rtol: float
 ) -> tuple[Array, Array, Array, int]:
-    """Locate unknowns (e, k) on the loose rule.
+    """Return unknowns (e, k) on the loose rule, inverse Jacobians, contractions (k,), and steps.
 
-    Returned are the unknowns, inverse Jacobians (k, e, e), the contraction of a chord step with
-    them (k,), infinite for sets that did not converge, and the steps taken.  If predictions (e, k)
-    with little doubt (k,) do not converge, the zones are other ones.
+    A contraction is infinite where they failed; predictions of little doubt then are of other
+    zones.
     """
     rule = rule_for(loose_tolerance(rtol))
     unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
@@ -233,11 +229,7 @@ def _located(
 
 @dataclass(frozen=True)
 class _PolishedZones:
-    """Sets of zones on a rule.
-
-    It holds their indices, whether they are settled, their unknowns (e, k), bounds of the unknowns'
-    errors, and the fields beside them.
-    """
+    """Sets of zones on a rule: indices, unknowns (e, k), bounds of their errors, fields beside."""
 
     kept: np.ndarray
     settled: np.ndarray
@@ -249,18 +241,12 @@ class _PolishedZones:
 
 
 def _polished(
-    sets: ZoneSets,
-    start: Array,
-    inverse: Array,
-    contraction: Array,
-    rtol: float,
-    tolerance: float,
+    sets: ZoneSets, start: Array, inverse: Array, contraction: Array, rtol: float, tolerance: float
 ) -> _PolishedZones:
     """Take chord steps on the rule of a tolerance until the mismatch is negligible.
 
-    A step leaves the fraction `contraction` (k,) of itself, or the fraction observed if that is
-    larger. The fields are those before the last step, which is far below the accuracy to which
-    Coulomb's law is checked.
+    A step leaves `contraction` (k,) of itself, or what is observed; fields are those before the
+    last.
     """
     kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(tolerance)
     previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
@@ -297,9 +283,8 @@ def _polished(
 def _estimates(
     edges: Edges, zones: _PolishedZones, profile: Profile, inverse: Array, tolerance: float
 ) -> Array:
-    """Return error estimates (k,) of sets of zones on the rule of a tolerance.
-
-    They come from a coarser companion rule, remaining shifts of edges and slip that is missed.
+    """Return error estimates (k,) of sets on the rule of a tolerance: companion, shifts, missed
+    slip.
     """
     fields = profile.fields
     rule = rule_for(COARSER_COMPANION * tolerance)
@@ -319,10 +304,9 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     Edges whose error estimate exceeds rtol are computed on finer rules.
     """
     count, size = len(predictions), len(sets.edges.segments)
-    unknowns = np.array([one.unknowns for one in predictions]).T.reshape(size, count)
-    inverse = np.array([one.inverse for one in predictions])
-    tolerances = np.array([one.tolerance for one in predictions])
-    doubt = np.array([one.doubt for one in predictions])
+    every = ([getattr(one, field.name) for one in predictions] for field in fields(Prediction))
+    unknowns, inverse, doubt, tolerances = map(np.array, every)
+    unknowns = unknowns.T.reshape(size, count)
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
     # Share of itself that a chord step leaves, by the doubt of its prediction.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -68,24 +69,17 @@ def _edges(zones: Iterable[Zone]) -> list[CutPoints]:
 
 
 def _key(solution: Solution) -> tuple:
-    """Return a key that solutions on common panels share.
-
-    It holds the kinds of zones, the sides of all fronts and cuts on which their edges lie, and the
-    front to which they are close.
-    """
+    """Return what solutions on common panels share: kinds of zones, sides of fronts and cuts."""
     fields = solution.profile.fields
     kinds = tuple(
         (zone.sense, zone.inward, zone.held, zone.left is None, zone.right is None)
         for zone in fields.zones
     )
-    places = [
-        (
-            *(p.first[i] > 0 for i in (2, 3)),
-            *(p.first_below(cut) for cut in fields.factors.cuts),
-            p.nearest if abs(p.first[p.nearest]) < tuning.CLOSE_TO_FRONT else 0,
-        )
-        for p in _edges(fields.zones)
-    ]
+    places = []
+    for p in _edges(fields.zones):
+        close = p.nearest if abs(p.first[p.nearest]) < tuning.CLOSE_TO_FRONT else 0
+        below = (p.first_below(cut) for cut in fields.factors.cuts)
+        places.append((p.first[2] > 0, p.first[3] > 0, *below, close))
     return (*kinds, *places, len(fields.factors.cuts))
 
 
@@ -114,10 +108,12 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     unit = scaled_load(scenes[0])[1]
     every = [solution.profile.fields for solution in solutions]
     zones = tuple(
-        Zone(*ends, zone.sense, zone.inward, zone.held)
-        for zone, ends in zip(
-            every[0].zones, _stacked([fields.zones for fields in every]), strict=True
+        replace(
+            same[0],
+            left=_column([one.left for one in same]),
+            right=_column([one.right for one in same]),
         )
+        for same in zip(*(fields.zones for fields in every), strict=True)
     )
     rule = rule_for(min(fields.rule.tolerance for fields in every))
     profile = Profile(ZoneFields(family, common_load(scenes, unit), zones, rule))
@@ -134,15 +130,6 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     # At a slipping edge the traction is s f p, and so are the singular parts: K_II = s f K_I.
     held = profile.panels.sense[-1] * friction * mode_one + 0.0
     return over * value, np.stack([mode_one, held], axis=1)
-
-
-def _stacked(
-    sets: Sequence[tuple[Zone, ...]],
-) -> Iterator[tuple[CutPoints | None, CutPoints | None]]:
-    """Return the ends of each zone for k sets of like zones, (k, 1)."""
-    for same in zip(*sets, strict=True):
-        left, right = [zone.left for zone in same], [zone.right for zone in same]
-        yield _column(left), _column(right)
 
 
 def _column(points: Sequence[CutPoints | None]) -> CutPoints | None:

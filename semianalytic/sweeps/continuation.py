@@ -41,11 +41,7 @@ and checked on the loose rule alone."""
 
 @dataclass(frozen=True)
 class KnownZones:
-    """The zones known at one friction.
-
-    It holds the unknowns, the inverse Jacobian on the loose rule (None if not yet formed), the
-    tolerance of their rule and the error estimate.
-    """
+    """Zones known at one friction; `inverse` is on the loose rule, None if not yet formed."""
 
     edges: Edges
     unknowns: Array
@@ -110,10 +106,7 @@ class Continuation:
         return self.zones[i].edges if i in self.zones else None
 
     def _proposed(self) -> dict[Edges, list[int]]:
-        """Return the scenes to try next, by the edges they may have.
-
-        Edges that failed before are not tried again; the middle is then solved from scratch.
-        """
+        """Return the scenes to try next, by edges that have not failed; else solve the middle."""
         proposed: dict[Edges, list[int]] = {}
         between: dict[Edges, list[int]] = {}
         for left, right, inside in self._gaps():
@@ -141,8 +134,7 @@ class Continuation:
     ) -> list[tuple[Edges | None, int, tuple[int, ...]]]:
         """Return edges to try in a gap, the end at which they are known, and the frictions.
 
-        Between equal sets of zones a few frictions are tried, between different ones a few from
-        either side.
+        A few are tried between equal sets of zones, a few from either side between different ones.
         """
         at_left, at_right, count = self._edges(left), self._edges(right), len(inside)
         if at_left == at_right:
@@ -212,9 +204,8 @@ class Continuation:
         if len(pair) == 1 or pair[0] == i:
             pair = pair[:1]
         weights = lagrange(self.friction[pair], self.friction[i])
-        return np.asarray(
-            sum(w * self.zones[j].inverse for w, j in zip(weights, pair, strict=True))
-        )
+        parts = zip(weights, pair, strict=True)
+        return np.asarray(sum(w * self.zones[j].inverse for w, j in parts))
 
     def _prediction(self, nodes: list[int], i: int) -> Prediction:
         """Predict the zones at a friction from the nearest known ones, by Lagrange's formula."""
@@ -268,10 +259,8 @@ class Continuation:
         profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(0, steps, 1, len(known.unknowns), nodes, stages)
-        zones_in_velocity = slip_zones(profile, scene.material)
-        self.solutions[i] = Solution(
-            scene, zones_in_velocity, "converged", known.estimate, statistics, profile, stress
-        )
+        found = slip_zones(profile, scene.material), "converged", known.estimate, statistics
+        self.solutions[i] = Solution(scene, *found, profile, stress)
 
     def _interpolate(self) -> None:
         """Interpolate between known frictions with the same zones, where it is accurate enough."""
@@ -287,34 +276,22 @@ class Continuation:
                 self.pending.update(self._between(stencil, left, right, inside))
 
     def _stencil(self, left: int, right: int) -> list[int]:
-        """Return known frictions around a gap that have the same zones, nearest first.
-
-        There are none if they are too few, or if the gap borders on other zones.
-        """
+        """Return known frictions of the same zones around a gap, nearest first; none if too few."""
         nodes = self._nodes()
         edges, place = self._edges(left), nodes.index(left)
         below, above = place, place + 1
-        while (
-            below > 0
-            and place - below < tuning.MOST_INTERPOLATED
-            and self._edges(nodes[below - 1]) == edges
-        ):
+        last, most = len(nodes) - 1, tuning.MOST_INTERPOLATED
+        while below > 0 and place - below < most and self._edges(nodes[below - 1]) == edges:
             below -= 1
-        last = len(nodes) - 1
-        while (
-            above < last
-            and above - place < tuning.MOST_INTERPOLATED
-            and self._edges(nodes[above + 1]) == edges
-        ):
+        while above < last and above - place < most and self._edges(nodes[above + 1]) == edges:
             above += 1
         # A gap that borders on other zones hides a threshold, where edges go like a root of
         # friction: no polynomial may reach across or up to it.
         if (below == place and left > 0) or (above == place + 1 and right < len(self.scenes) - 1):
             return []
         middle = (self.friction[left] + self.friction[right]) / 2
-        stencil = sorted(
-            nodes[below : above + 1], key=lambda j: abs(float(self.friction[j]) - middle)
-        )[: tuning.MOST_INTERPOLATED]
+        around = nodes[below : above + 1]
+        stencil = sorted(around, key=lambda j: abs(float(self.friction[j]) - middle))[:most]
         few = edges is not None and bool(edges.segments) and len(stencil) < 5
         return [] if few else stencil
 
@@ -323,15 +300,10 @@ class Continuation:
     ) -> dict[int, KnownZones]:
         """Return the interpolated zones whose error estimate is below rtol."""
         known = [self.zones[j] for j in stencil]
-        edges, tolerance = (
-            known[0].edges,
-            min(self.zones[left].tolerance, self.zones[right].tolerance),
-        )
-        unknowns = np.array([one.unknowns for one in known])
-        noise = max(one.estimate for one in known)
-        values, estimate = interpolated(
-            edges, self.friction[stencil], unknowns, self.friction[inside], noise, self.rtol
-        )
+        edges, tolerance = known[0].edges, min(self.zones[i].tolerance for i in (left, right))
+        unknowns, at = np.array([one.unknowns for one in known]), self.friction[stencil]
+        known_to = max(one.estimate for one in known), self.rtol
+        values, estimate = interpolated(edges, at, unknowns, self.friction[inside], *known_to)
         good = estimate <= self.rtol
         if edges.segments:
             good &= edges.admits(values.T)

@@ -51,7 +51,7 @@ def _in_friction(at: Array, unknowns: Array, to: Array) -> Array:
 def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
     """Evaluate polynomials in the unknown that moves most, friction being one of them, (t, e).
 
-    They are smoother near thresholds, where edges move fast; NaN if that unknown is not monotone.
+    They are smoother near thresholds, where edges move fast; nan if it is not monotone.
     """
     # The stencil comes with the most central friction first; monotony is a matter of the order
     # along the axis.

@@ -74,10 +74,7 @@ class Plane:
 
     @cached_property
     def _closed(self) -> np.ndarray:
-        """Whether the contact stays closed, (n,).
-
-        The pressure is least at the Rayleigh front, or falls at once at the contact edge.
-        """
+        """Whether the contact stays closed at the Rayleigh front and at its edge, (n,)."""
         # Scenes that open are left to `solve`: under a negative step the pressure is minus infinity
         # at the contact edge, under a positive one it is least at c_R.
         base, step = (part.pressure for part in self.scenes[0].superposition)
@@ -111,10 +108,7 @@ class Plane:
         self._from_scratch([int(i) for i in targets if i not in self.origin])
 
     def _patterns(self, targets: list[int], rank: int) -> dict[tuple[Pattern, bool], list[int]]:
-        """Group points by the pattern of zones they may have, rank 0 being the most likely one.
-
-        The second result tells whether all known points around have that pattern.
-        """
+        """Group points by the pattern of a rank around, and by whether all around have it."""
         if not targets:
             return {}
         known = np.array(list(self.zones))
@@ -140,11 +134,10 @@ class Plane:
     def _batches(
         self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
     ) -> Iterator[np.ndarray]:
-        """Yield groups of points, as indices into `which`, whose zones may share panels.
+        """Yield groups of indices into `which` whose zones may share panels, sides and fronts
+        alike.
 
-        Their edges are on one side of every cut, and close to one front or to none.  Points with
-        many nodes come together in smaller groups: those on fine rules of the tolerances `rule`
-        (t,), and those with narrow gaps, which need long panels.
+        Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
         """
         if not len(which):
             return
@@ -152,9 +145,8 @@ class Plane:
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
         distances = np.abs(parts[1:])
-        nearest = np.where(
-            distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), 3
-        )
+        close = distances.min(axis=0) < tuning.CLOSE_TO_FRONT
+        nearest = np.where(close, distances.argmin(axis=0), 3)
         keys = np.concatenate([[hiding], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
@@ -228,10 +220,7 @@ class Plane:
                 one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
                 by_pattern.setdefault(pattern, []).append(one)
         for pattern, some in by_pattern.items():
-            which, unknowns = (
-                np.array([i for i, *_ in some]),
-                np.array([one for _, one, *_ in some]),
-            )
+            which, unknowns = (np.array([one[part] for one in some]) for part in (0, 1))
             for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
                 # Zones without edges have no Jacobian, but are a footing all the same.
@@ -267,23 +256,12 @@ class Plane:
             zones = tuple(zone.seen_by(itemgetter(j)) for zone in every)
             factors = self.factors[scene.material.poisson_ratio]
             profile = Profile(ZoneFields(factors, load, zones, rule))
-            self.solutions[i] = Solution(
-                scene,
-                slip_zones(profile, scene.material),
-                "converged",
-                followed.estimate,
-                statistics,
-                profile,
-                stress,
-            )
+            moving = slip_zones(profile, scene.material), "converged", followed.estimate
+            self.solutions[i] = Solution(scene, *moving, statistics, profile, stress)
 
 
 def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
-    """Return footings for other points.
-
-    They are made from unknowns (e, k) that are right on the fine rule and inverse Jacobians
-    (k, e, e).
-    """
+    """Return footings from unknowns (e, k) right on the fine rule and inverse Jacobians."""
     if not len(unknowns):
         return [Footing(one, 0.0) for one in inverse]
     fields = sets.fields(unknowns, loose)

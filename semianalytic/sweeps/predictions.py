@@ -30,11 +30,7 @@ Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 
 @dataclass(frozen=True)
 class Footing:
-    """A basis for the prediction of other points.
-
-    It holds the inverse Jacobian (e, e), and the error of edges that are right on the loose rule
-    instead of the fine one.
-    """
+    """Inverse Jacobian (e, e) at a point, and the error of its edges if right on a loose rule."""
 
     inverse: Array
     shift: float
@@ -42,11 +38,7 @@ class Footing:
 
 @dataclass(frozen=True)
 class Followed:
-    """The zones at one point.
-
-    It holds their pattern and unknowns (e,), the tolerance of their rule, the error estimate, and a
-    `Footing` if they were found on the fine rule.
-    """
+    """Zones at one point, with a `Footing` if they were found on the fine rule."""
 
     pattern: Pattern
     unknowns: Array
@@ -127,24 +119,15 @@ def predicted(
     # On the fine rule itself nothing is lacking that the neighbours' estimates do not hold.
     lacking = np.where(loose > tolerance, SAFETY * shift * share, 0.0)
     return Predictions(
-        points,
-        unknowns,
-        doubt,
-        inverse,
-        others,
-        tolerance,
-        loose,
-        estimate + lacking,
+        points, unknowns, doubt, inverse, others, tolerance, loose, estimate + lacking
     )
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # of polynomials that leave 0 to 1: no number
 def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarray]:
-    """Interpolate unknowns (t, e) between known ones (n, e).
+    """Interpolate unknowns (t, e), with bounds of their errors (t,), between known ones (n, e).
 
-    Returned with them are bounds of their errors (t,), and for which edges (e,) the shares
-    1 / (1 + exp(-u)) were interpolated instead: near the end of an edge's segment one of the two is
-    smooth.
+    For some edges (e,) shares 1 / (1 + exp(-u)) are: one of the two is smooth near a segment's end.
     """
     places, edges = len(stencils.near), values.shape[1]
     result, doubt = np.zeros((places, edges)), np.zeros(places)
@@ -175,11 +158,7 @@ def _share_slope(unknowns: Array) -> Array:
 
 
 def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
-    """Return tolerances, in steps, of rules that are loose but accurate enough.
-
-    Errors (t,) of the loose rule fall like a power of the tolerance; on the rule they take only a
-    share of the room that the error estimate leaves.
-    """
+    """Return tolerances, in steps, of loose rules whose errors (t,) take a share of the room."""
     most = 0.5 * room / SAFETY  # half of what rtol leaves
     decades = np.log10(np.maximum(shift / most, 1.0)) / tuning.LACK_ORDER
     steps = np.ceil(decades / tuning.RULE_STEP)
@@ -188,9 +167,8 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
 
 def joined(parts: Sequence[Predictions]) -> Predictions:
     """Join the predictions of several batches."""
-    return Predictions(
-        *(np.concatenate([getattr(one, field.name) for one in parts]) for field in fields(parts[0]))
-    )
+    every = ([getattr(one, field.name) for one in parts] for field in fields(parts[0]))
+    return Predictions(*map(np.concatenate, every))
 
 
 @dataclass(frozen=True)
@@ -227,10 +205,8 @@ def corrected(
         inverse[far[left < np.inf]] = better[left < np.inf]
     nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
     # The least tolerance of the batch serves all of its points, which share panels.
-    fields, estimate = (
-        sets.fields(unknowns, rule_for(float(predictions.loose.min()))),
-        predictions.estimate,
-    )
+    fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
+    estimate = predictions.estimate
     sound = arrived.copy()
     if len(unknowns):
         both = inverse, predictions.others
@@ -259,9 +235,10 @@ def corrected(
 def _stepped(
     sets: ZoneSets, start: Array, fields: ZoneFields, inverse: tuple[Array, Array], room: Array
 ) -> tuple[Array, Array]:
-    """Unknowns (e, k) after a chord step from `start`, where the fields are, or some more, and the
-    error that is left (k,): of what the two inverse Jacobians disagree upon, or of what the last
-    step leaves if it shrinks as before."""
+    """Return unknowns (e, k) after chord steps from `start`, and the error that is left (k,).
+
+    It is what two inverse Jacobians disagree upon, or what the last step leaves.
+    """
     values = fields.mismatch()
     move = -moves(inverse[0], values)
     size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))

@@ -99,10 +99,9 @@ class Sweep:
         )
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the relative slip rate, upper minus lower side, at each friction [length / time].
+        """Return the relative slip rate at each friction, (n, ...) [length / time].
 
-        The shape is (n, ...) for positions x > 0 [length] and times t [time] that broadcast to
-        (...).
+        Positions x > 0 [length] and times t [time] broadcast to (...).
 
         Raises
         ------
@@ -243,7 +242,14 @@ def sweep(
     ratio = np.asarray(scene.material.poisson_ratio)
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
-        given, ratio = _broadcast(given, ratio)
+        try:
+            given, ratio = (one.ravel() for one in np.broadcast_arrays(given, ratio))
+        except ValueError:
+            raise SceneError(
+                f"friction of the shape {given.shape} and Poisson ratios of the shape "
+                f"{ratio.shape} do not broadcast; give both one shape, or a grid as f and "
+                "nu[:, None]."
+            ) from None
     elif given.ndim != 1:
         raise SceneError(f"friction must be one-dimensional, got the shape {given.shape}.")
     values = _numbers("friction", given)
@@ -255,18 +261,6 @@ def sweep(
     place = np.ravel(place)
     chosen = tuple(solutions[i] for i in place)
     return Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
-
-
-def _broadcast(friction: np.ndarray, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Broadcast friction and Poisson ratio, and return both in a row."""
-    try:
-        friction, ratio = np.broadcast_arrays(friction, ratio)
-    except ValueError:
-        raise SceneError(
-            f"friction of the shape {friction.shape} and Poisson ratios of the shape {ratio.shape} "
-            "do not broadcast; give both one shape, or a grid as f and nu[:, None]."
-        ) from None
-    return friction.ravel(), ratio.ravel()
 
 
 def _numbers(name: str, given: np.ndarray) -> Array:

@@ -110,11 +110,9 @@ class GrowingZone:
         first, second = self.factors.log_m_plus_far
         inverse = [1.0, -first, first * first / 2 - second]
         n = self.power
+        powers = [binomial(n + 0.5, i) * self.edge**i for i in range(n + 1)]
         return np.array(
-            [
-                sum(binomial(n + 0.5, i) * self.edge**i * inverse[j - i] for i in range(j + 1))
-                for j in range(n + 1)
-            ]
+            [sum(powers[i] * inverse[j - i] for i in range(j + 1)) for j in range(n + 1)]
         )
 
     @property
@@ -208,13 +206,8 @@ class GrowingZone:
 
     @property
     def _close(self) -> float:
-        """Length ahead of the edge over which finite parts are taken."""
-        return (self.edge - self._last) / (2 * _SHORT)
-
-    @property
-    def _last(self) -> float:
-        """The last front at which tractions have a singularity, b."""
-        return 1.0
+        """Length ahead of the edge, beyond the last singular front b, of finite parts."""
+        return (self.edge - 1.0) / (2 * _SHORT)
 
     @cached_property
     def _traction_moments(self) -> RunningIntegral:

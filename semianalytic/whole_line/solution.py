@@ -114,7 +114,9 @@ class LineSolution(SelfSimilarAnswer):
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Rate of the gap [length / time], 0 where closed; raises as `slip_rate`."""
         xi = self._velocity(x, t)
-        return self._opens * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+        return (
+            float(self.drive.opens) * self._rate_unit * self._moving(xi, self.spreading.slip_rate)
+        )
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip since t = 0 [length]; raises as `slip_rate`."""
@@ -122,7 +124,7 @@ class LineSolution(SelfSimilarAnswer):
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Gap between the sides [length], 0 where closed; raises as `slip_rate`."""
-        return self._opens * self._moved(x, t)
+        return float(self.drive.opens) * self._moved(x, t)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Shear traction [stress], 0 where open; raises as `slip_rate`."""
@@ -188,10 +190,6 @@ class LineSolution(SelfSimilarAnswer):
             share = self._areas(self.spreading.area_on_patch, t)
             work = work + drive.scene.coefficient * drive.load.pressure * share
         return np.asarray(work)
-
-    @property
-    def _opens(self) -> float:
-        return 1.0 if self.drive.opens else 0.0
 
     @property
     def _stress_unit(self) -> float:

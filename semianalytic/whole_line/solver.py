@@ -104,10 +104,7 @@ def _check_one_zone(drive: Drive, found: Spreading, unit: float) -> None:
 
 
 def _error(found: Spreading, missing: float) -> float:
-    """Return the error estimate: of the edge speed, by the condition at the edge evaluated twice.
-
-    The scale of slip rate, the patch's impedance, is exact to rounding; its shape follows the edge.
-    """
+    """Return the error estimate of the edge speed, by the condition at the edge evaluated twice."""
     # A coarser quadrature, whose difference counts as an error.
     residual = abs(found.missing_again - missing) + abs(found.missing(0.3) - missing)
     nearer = (found.edge + found.lead * _STEP, found.lead * (1 - _STEP))

@@ -206,7 +206,6 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
 
     Parameters
     ----------
-    factors : RayleighFactors
     patch : float
         Speed over c_t, slower than the Rayleigh wave (the shear wave in mode III); 0 for a point.
     missing : float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -20,9 +20,8 @@ from compare.comparison.report import (
     write_report,
 )
 from compare.comparison.rows import DIFFERS
-from compare.output.files import write_text
 from compare.output.leftovers import FIELDS, PAGE, REPORT, SNAPSHOTS, forget_figures
-from compare.output.places import working_folder
+from compare.output.places import working_folder, write_text
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
 from semianalytic import Marched, Scene, Solution
@@ -39,67 +38,52 @@ from semianalytic.scene.given.finding import (
     scene_label,
 )
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from slipfront.cli import terminal
+from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, refuse_given
-from slipfront.cli.options import (
-    LOWER_OPTIONS,
-    MESH_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    Budget,
-    FiguresForm,
-    Method,
-    NoSnapshots,
-    Output,
-    Quiet,
-    asked,
-    in_bytes,
-    in_seconds,
-    option_name,
-    with_options,
-)
 from slipfront.cli.scenes.completion import scene_names
-from slipfront.cli.simulate_command import Allowance, simulate_into, with_error_bars
+from slipfront.cli.simulate_command import simulate_into, with_error_bars
 
 if TYPE_CHECKING:
     from fem import Simulation
 
 
-@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, settings=MESH_OPTIONS)
+_OPTIONS: Mapping[str, Any] = {
+    "scene_name": typer.Argument(
+        metavar="[SCENE]",
+        help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+        autocompletion=scene_names,
+    ),
+    "from_": options.option(
+        "Folder of an earlier simulation to use instead.", flag="--from", metavar="DIR"
+    ),
+    "everything": options.option("Print the rows that agree, too.", flag="--all"),
+    "nodes": options.option("Nodes of the period of a line, a multiple of 4."),
+    "mesh_nodes": options.option("Nodes of the finest mesh along a line."),
+}
+
+
+@options.with_options(
+    _OPTIONS,
+    overrides=options.SCENE_OPTIONS,
+    lower=options.LOWER_OPTIONS,
+    settings=options.MESH_OPTIONS,
+)
 def compare_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
     settings: Mapping[str, Any],
-    scene_name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[SCENE]",
-            help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
-            autocompletion=scene_names,
-        ),
-    ] = None,
-    from_: Annotated[
-        Path | None,
-        typer.Option(
-            "--from", metavar="DIR", help="Folder of an earlier simulation to use instead."
-        ),
-    ] = None,
-    method: Method = "auto",
-    budget: Budget = None,
-    output: Output = None,
-    figures: FiguresForm = "png",
-    no_snapshots: NoSnapshots = False,
-    everything: Annotated[
-        bool, typer.Option("--all", help="Print the rows that agree, too.")
-    ] = False,
-    nodes: Annotated[
-        int | None, typer.Option(help="Nodes of the period of a line, a multiple of 4.")
-    ] = None,
-    mesh_nodes: Annotated[
-        int | None, typer.Option(help="Nodes of the finest mesh along a line.")
-    ] = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    scene_name: str | None = None,
+    from_: Path | None = None,
+    method: options.Method = "auto",
+    budget: options.Budget = None,
+    output: options.Output = None,
+    figures: options.FiguresForm = "png",
+    no_snapshots: options.NoSnapshots = False,
+    everything: bool = False,
+    nodes: int | None = None,
+    mesh_nodes: int | None = None,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
@@ -122,7 +106,7 @@ def compare_command(
         return
     refuse_given(along, "is for scenes on a line; this one takes --resolution")
     require("slipfront compare", *FEM, *PLOT)
-    seconds, snapshots = in_seconds(budget), not no_snapshots
+    seconds, snapshots = options.in_seconds(budget), not no_snapshots
     prediction: Solution | PairSolution | Marched | None = None
     if from_ is not None:
         kept = settings if budget is None else {"budget": budget}
@@ -136,9 +120,9 @@ def compare_command(
         label = scene_label(scene_name)
         directory = output or scene_folder(scene_name, {**overrides, **lower})
         scene = override_scene(find_scene(scene_name), **overrides, **lower)
-        asked(scene, "end_time", settings.get("end_time"), "time")
-        options = {**settings, "memory": in_bytes(settings.get("memory"))}
-        prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
+        options.asked(scene, "end_time", settings.get("end_time"), "time")
+        limited = {**settings, "memory": options.in_bytes(settings.get("memory"))}
+        prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **limited)
     notes = Console(stderr=True)
     with working_folder(directory) as files:
         frames = (from_ or directory) / SNAPSHOTS
@@ -150,7 +134,7 @@ def compare_command(
                 {**settings, "resolution": choice.resolution, "damping": choice.damping},
                 snapshots=snapshots,
                 foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
-                allowance=None if seconds is None else Allowance(choice.seconds, seconds),
+                allowed=None if seconds is None else (choice.seconds, seconds),
                 quiet=quiet,
             )
         written = snapshots and frames.is_dir()
@@ -227,11 +211,10 @@ def _earlier_simulation(
     return simulation
 
 
-def _without_effect(option: str, other: str) -> SceneError:
+def _without_effect(*two: str) -> SceneError:
     """Refusal of two options that exclude one another."""
-    return SceneError(
-        f"{option_name(option)} has no effect with {option_name(other)}; leave one of the two out."
-    )
+    one, other = map(options.option_name, two)
+    return SceneError(f"{one} has no effect with {other}; leave one of the two out.")
 
 
 def _compare_line(
@@ -247,12 +230,8 @@ def _compare_line(
 ) -> None:
     """March and simulate a scene with settings of `compare`, and judge both.
 
-    All rows are written to a folder if one is given.
-
-    Raises
-    ------
-    ComputationError
-        If the run is unresolved; it is printed before.
+    All rows are written to a folder if one is given.  An unresolved run is printed, and raises a
+    ComputationError.
     """
     require("slipfront compare", *FEM)
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:

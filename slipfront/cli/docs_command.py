@@ -38,7 +38,10 @@ def docs(
 ) -> None:
     """Print a page of the documentation, such as docs/limits.md, which a message has named."""
     if page is None:
-        titles = {name: _title(path) for name, path in sorted(pages().items())}
+        titles = {}
+        for name, path in sorted(pages().items()):
+            headings = (line[2:] for line in _text(path).splitlines() if line.startswith("# "))
+            titles[name] = next(headings, name)
         if as_json:
             print_json("docs", {"pages": titles})
             return
@@ -64,18 +67,7 @@ def pages() -> dict[str, Path]:
 
 
 def found_page(name: str) -> Path:
-    """Return the file of a page.
-
-    Parameters
-    ----------
-    name : str
-        As messages write it, docs/limits.md, or limits.md or limits.
-
-    Raises
-    ------
-    SceneError
-        If there is no such page.
-    """
+    """Return the file of a page that messages write as docs/limits.md, or limits.md or limits."""
     known = pages()
     stem = name.rsplit("/", 1)[-1].removesuffix(".md")
     if stem in known:
@@ -89,8 +81,3 @@ def _text(path: Path) -> str:
     """Return the text of a page without the settings that the site reads at its top."""
     text = path.read_text(encoding="utf-8")
     return text.split("\n---\n", 1)[1] if text.startswith("---\n") else text
-
-
-def _title(path: Path) -> str:
-    headings = (line[2:] for line in _text(path).splitlines() if line.startswith("# "))
-    return next(headings, path.stem)

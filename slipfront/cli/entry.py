@@ -22,10 +22,7 @@ BROKEN_FILE, BROKEN_PACKAGE = 3, 5
 def main() -> int:
     """Run the command line of this process and return its exit code, like `commands.main`.
 
-    Returns
-    -------
-    int
-        143 if it was ended by SIGTERM, 5 if a package that it imports is missing or broken.
+    It is 143 if it was ended by SIGTERM, 5 if a package that it imports is missing or broken.
     """
     terminated = False
 

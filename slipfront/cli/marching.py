@@ -23,7 +23,7 @@ from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.options import MARCH_OPTIONS, in_bytes, option_name
-from slipfront.cli.scenes.points import AskedPoints, points_table
+from slipfront.cli.scenes.points import AskedPoints, show_answer
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -49,10 +49,7 @@ def march_command(
 ) -> None:
     """March a scene, or continue a saved march, and print the result.
 
-    Raises
-    ------
-    ComputationError
-        If the march is unresolved or misses --rtol; the result is printed before.
+    A march that is unresolved or misses --rtol is a ComputationError; it is printed before.
     """
     options = dict(options)
     if end_time is None and points is not None and not {*scene.run, *options} & {*_ENDS}:
@@ -111,8 +108,12 @@ def march_command(
             f"Every {done.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    _show(done, label, points, as_json=as_json, save=save, draw=draw, plot=plot)
-    if not done.scene.on_line:
+    on_line = done.scene.on_line
+    document = (run_document if on_line else march_document)(done)
+    table = (terminal.run_table if on_line else terminal.march_table)(done, label)
+    files = {"Saved": save, "Drawn": plot}
+    show_answer(done, document, [table], points, files, draw, as_json=as_json)
+    if not on_line:
         check_resolved(done, label)
     elif done.status != "done":
         raise ComputationError(f"{label} is {done.status}")
@@ -134,33 +135,3 @@ def check_resolved(marched: Marched, label: str) -> None:
                 f"{share:.2g} of its size: give a later --end-time, or a load that comes earlier"
             )
     raise ComputationError(f"{label} is unresolved: {why}.")
-
-
-def _show(
-    marched: Any,
-    label: str,
-    points: AskedPoints | None,
-    *,
-    as_json: bool,
-    save: Path | None,
-    draw: Draw | None,
-    plot: Path | None,
-) -> None:
-    """Draw a march if requested, and print it."""
-    if draw is not None and plot is not None:
-        from compare.figures.saving import save_figure
-
-        save_figure(draw(marched), plot)
-    if as_json:
-        files = [path for path in (save, plot) if path is not None]
-        document = run_document(marched) if marched.scene.on_line else march_document(marched)
-        document = document if points is None else points.with_units(document, marched)
-        terminal.print_json("solve", document, files=files)
-        return
-    if points is not None:  # what was asked for comes first
-        Console().print(points_table(marched, points))
-    table = terminal.run_table if marched.scene.on_line else terminal.march_table
-    Console().print(table(marched, label))
-    for done, path in (("Saved", save), ("Drawn", plot)):
-        if path is not None:
-            Console().print(f"{done} in {path}", highlight=False)

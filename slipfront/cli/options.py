@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Protocol
 
 import typer
@@ -100,24 +101,33 @@ def measured(dimension: str) -> Callable[[str], float]:
     return parsed
 
 
-def measured_option(dimension: str, text: str, panel: str | None = None, **given: Any) -> Any:
-    """Return a typer option for a number that a unit may follow, as 5cm; None unless given."""
+def option(
+    text: str,
+    panel: str | None = None,
+    *,
+    flag: str = "",
+    complete: Callable[[str], list[str]] | None = None,
+    **given: Any,
+) -> Any:
+    """Return a typer option with a help text and, if it is not named as its argument, its flag."""
     return typer.Option(
-        parser=measured(dimension),
-        metavar=given.pop("metavar", "NUMBER"),
+        *((flag,) if flag else ()),
         help=escape(text),  # rich would take units in brackets for markup
         rich_help_panel=panel,
+        autocompletion=complete,
         **given,
     )
+
+
+def measured_option(dimension: str, text: str, panel: str | None = None, **given: Any) -> Any:
+    """Return a typer option for a number that a unit may follow, as 5cm; None unless given."""
+    return option(text, panel, **{"parser": measured(dimension), "metavar": "NUMBER", **given})
 
 
 def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
     """Return the value of an option in the units of a scene.
 
-    Raises
-    ------
-    SceneError
-        If it was given with a unit, and the scene does not say its own.
+    A unit is refused by a SceneError where the scene does not say its own.
     """
     number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
     return number
@@ -126,10 +136,7 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
 def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
-    Raises
-    ------
-    SceneError
-        If it is no number, its unit is unknown, or the scene does not say its own.
+    What is none, or has a unit that cannot be taken, is refused by a SceneError.
     """
     try:
         number = measure(text, dimension, si_size)
@@ -144,50 +151,42 @@ def option_dimension(name: str) -> str:
     return PARAMETERS[re.sub("^(base|load|lower)_", "", name)]
 
 
-def _option(type_: type, panel: str, text: str, *names: str, dimension: str = "") -> Any:
+def optional(
+    type_: Any, panel: str | None, text: str, *names: str, dimension: str = "", **given: Any
+) -> Any:
+    """Return the annotation of an option that is None unless given, with names to choose from."""
     if dimension:
-        return Annotated[float | None, measured_option(dimension, text, panel)]
-    # rich would take units in brackets for markup
-    named = one_of(*names) if names else None
-    flag = ("--no-estimate",) if type_ is bool else ()
-    option = typer.Option(*flag, help=escape(text), rich_help_panel=panel, autocompletion=named)
-    return Annotated[type_ | None, option]
+        return Annotated[float | None, measured_option(dimension, text, panel, **given)]
+    complete = one_of(*names) if names else None
+    return Annotated[type_ | None, option(text, panel, complete=complete, **given)]
 
 
 _SCENE_PANEL = "Scene (in place of the scene's own values)"
 
 SCENE_OPTIONS: Mapping[str, Any] = {
-    "mode": _option(str, _SCENE_PANEL, "Direction of shear: in-plane or antiplane.", *MODES),
-    "load_on": _option(
-        str,
-        _SCENE_PANEL,
-        "Where the load acts: on the faces of the slot, or arriving from far away (remote).",
-        *LOADED,
-    ),
-    "wave": _option(
-        str,
-        _SCENE_PANEL,
-        "Kind of a plane wave that arrives, in place of the load: P or SV, SH in antiplane shear.",
-        "P",
-        "SV",
-        "SH",
-    ),
-    "wave_from": _option(
-        str, _SCENE_PANEL, "Body the wave arrives from: below or above.", "below", "above"
-    ),
-    "units": _option(
-        str,
-        _SCENE_PANEL,
-        "SI: all numbers of the scene are in m, s, kg and Pa, and so are the answers.",
-        SI,
-    ),
-} | {
-    name: _option(
-        float,
-        _SCENE_PANEL,
-        text,
-        dimension=option_dimension(name),
+    name: optional(str, _SCENE_PANEL, text, *names)
+    for name, text, names in (
+        ("mode", "Direction of shear: in-plane or antiplane.", MODES),
+        (
+            "load_on",
+            "Where the load acts: on the faces of the slot, or arriving from far away (remote).",
+            LOADED,
+        ),
+        (
+            "wave",
+            "Kind of a plane wave that arrives, in place of the load: P or SV, SH in antiplane "
+            "shear.",
+            ("P", "SV", "SH"),
+        ),
+        ("wave_from", "Body the wave arrives from: below or above.", ("below", "above")),
+        (
+            "units",
+            "SI: all numbers of the scene are in m, s, kg and Pa, and so are the answers.",
+            (SI,),
+        ),
     )
+} | {
+    name: optional(float, _SCENE_PANEL, text, dimension=option_dimension(name))
     for name, text in {
         "shear_modulus": "Shear modulus [stress].",
         "density": "Mass density [mass / length³].",
@@ -208,7 +207,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
 }
 
 LOWER_OPTIONS: Mapping[str, Any] = {
-    f"lower_{name}": _option(float, _SCENE_PANEL, text, dimension=PARAMETERS[name])
+    f"lower_{name}": optional(float, _SCENE_PANEL, text, dimension=PARAMETERS[name])
     for name, text in {
         "shear_modulus": "Shear modulus of the lower block [stress].",
         "density": "Mass density of the lower block [mass / length³].",
@@ -218,7 +217,7 @@ LOWER_OPTIONS: Mapping[str, Any] = {
 """Options of the lower block; numbers that are not given are those of the upper block."""
 
 MESH_OPTIONS: Mapping[str, Any] = {
-    name: _option(
+    name: optional(
         type_,
         "Finite elements",
         text,
@@ -240,11 +239,12 @@ MESH_OPTIONS: Mapping[str, Any] = {
 }
 
 MARCH_OPTIONS: Mapping[str, Any] = {
-    name: _option(
+    name: optional(
         type_,
         "Space-time solver",
         text,
         dimension={"length": "length", "latest": "time", "entry": "length"}.get(name, ""),
+        **({"flag": "--no-estimate"} if type_ is bool else {}),
     )
     for name, (type_, text) in {
         "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
@@ -262,31 +262,32 @@ MARCH_OPTIONS: Mapping[str, Any] = {
 }
 
 CHECKPOINT_OPTIONS: Mapping[str, Any] = {
-    "checkpoint_every": _option(
+    "checkpoint_every": optional(
         int, "Checkpoints", "Steps between checkpoints, written to DIR/checkpoint.h5; 0 for none."
     ),
-    "checkpoint_seconds": _option(
+    "checkpoint_seconds": optional(
         float, "Checkpoints", "Seconds between checkpoints; one is written when either is due."
     ),
-    "resume": Annotated[
-        bool | None,
-        typer.Option(
-            "--resume",
-            help="Resume from DIR/checkpoint.h5 if it exists; give the same options again.",
-            rich_help_panel="Checkpoints",
-        ),
-    ],
+    "resume": optional(
+        bool,
+        "Checkpoints",
+        "Resume from DIR/checkpoint.h5 if it exists; give the same options again.",
+        flag="--resume",
+    ),
 }
 
 
-def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Give a command one option per entry of each group.
+def with_options(
+    own: Mapping[str, Any] = MappingProxyType({}), /, **groups: Mapping[str, Any]
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Give a command the options of its own arguments, and one option per entry of each group.
 
     The command itself takes each group as one keyword argument: a dictionary of the options that
     were given on the command line.  Numbers that are not finite are refused.
 
     Parameters
     ----------
+    own : mapping from argument to typer option
     **groups : mapping from option name to annotation
         Options by the name of the argument that collects them.
     """
@@ -302,8 +303,12 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
                 _check_finite(collected[argument])
             return command(**given, **collected)
 
-        own = inspect.signature(command, eval_str=True).parameters.values()
-        parameters = [p for p in own if p.name not in groups] + [
+        parameters = [
+            p.replace(annotation=Annotated[p.annotation, own[p.name]]) if p.name in own else p
+            for p in inspect.signature(command, eval_str=True).parameters.values()
+            if p.name not in groups
+        ]
+        parameters += [
             inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=hint)
             for name, hint in options.items()
         ]
@@ -320,13 +325,7 @@ def option_name(argument: str) -> str:
 
 
 def in_seconds(time: str | None) -> float | None:
-    """Convert a time as it is typed, such as 90, 60s, 1.5min or 2h, to seconds.
-
-    Raises
-    ------
-    SceneError
-        If the text is no such time, or the time is not positive.
-    """
+    """Convert a time as it is typed, such as 90, 60s, 1.5min or 2h, to seconds, or refuse it."""
     if time is None:
         return None
     match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", time.strip().lower())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from types import MappingProxyType
@@ -21,22 +21,7 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
-from slipfront.cli import terminal
-from slipfront.cli.options import (
-    CHECKPOINT_OPTIONS,
-    LOWER_OPTIONS,
-    MESH_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    NoCompanions,
-    NoSnapshots,
-    Output,
-    Quiet,
-    SceneArgument,
-    asked,
-    in_bytes,
-    with_options,
-)
+from slipfront.cli import options, terminal
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -55,23 +40,23 @@ LOOKED_AT = 0.1
 """Part of the steps from which on they tell how long all will take."""
 
 
-@with_options(
-    overrides=SCENE_OPTIONS,
-    lower=LOWER_OPTIONS,
-    settings=MESH_OPTIONS,
-    checkpoints=CHECKPOINT_OPTIONS,
+@options.with_options(
+    overrides=options.SCENE_OPTIONS,
+    lower=options.LOWER_OPTIONS,
+    settings=options.MESH_OPTIONS,
+    checkpoints=options.CHECKPOINT_OPTIONS,
 )
 def simulate_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
     settings: Mapping[str, Any],
     checkpoints: Mapping[str, Any],
-    scene_name: SceneArgument,
-    output: Output = None,
-    no_snapshots: NoSnapshots = False,
-    no_companions: NoCompanions = False,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    scene_name: options.SceneArgument,
+    output: options.Output = None,
+    no_snapshots: options.NoSnapshots = False,
+    no_companions: options.NoCompanions = False,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Simulate a scene with finite elements; write the interface history and field snapshots.
 
@@ -86,7 +71,7 @@ def simulate_command(
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, {**overrides, **lower})
     scene = override_scene(find_scene(scene_name), **overrides, **lower)
-    asked(scene, "end_time", settings.get("end_time"), "time")
+    options.asked(scene, "end_time", settings.get("end_time"), "time")
     with working_folder(directory) as files:
         simulation = simulate_into(
             directory,
@@ -104,42 +89,36 @@ def simulate_command(
     Console().print(f"Written to {directory}/", highlight=False)
 
 
-@dataclass(frozen=True)
-class Allowance:
-    """How long a simulation with its companions and its comparison is expected and allowed to take.
+def watched(
+    progress: Progress,
+    predicted: Cost,
+    allowed: tuple[float, float],
+    label: str,
+    tell: Callable[[str], None],
+) -> Progress:
+    """The progress of a simulation of a predicted cost, which tells once if all takes too long.
 
-    Attributes
-    ----------
-    expected, budget : float
-        On this machine [s].
+    Allowed are the seconds that the simulation, its companions and its comparison were expected to
+    take on this machine, and those of the budget; a fifth more than these is too long.
     """
+    from fem.budget import machine_pace
 
-    expected: float
-    budget: float
+    expected, budget = allowed
+    share = machine_pace() * predicted.seconds / expected
+    began, told = monotonic(), False
 
-    def watched(
-        self, progress: Progress, predicted: Cost, label: str, tell: Callable[[str], None]
-    ) -> Progress:
-        """The progress of a simulation of a predicted cost, that tells once if all will take longer
-        than the budget and a fifth."""
-        from fem.budget import machine_pace
+    def watch(step: int, steps: int) -> None:
+        nonlocal told
+        progress(step, steps)
+        whole = (monotonic() - began) * steps / step / share if step else 0.0
+        if not told and step >= LOOKED_AT * steps and whole > OVERRUN * budget:
+            told = True
+            tell(
+                f"{label}: this will take about {duration(whole)}, more than the budget of "
+                f"{duration(budget)}: others have taken the cores since it was planned."
+            )
 
-        share = machine_pace() * predicted.seconds / self.expected
-        began, told = monotonic(), False
-
-        def watch(step: int, steps: int) -> None:
-            nonlocal told
-            progress(step, steps)
-            passed = monotonic() - began
-            whole = passed * steps / step / share if step else 0.0
-            if not told and step >= LOOKED_AT * steps and whole > OVERRUN * self.budget:
-                told = True
-                tell(
-                    f"{label}: this will take about {duration(whole)}, more than the budget of "
-                    f"{duration(self.budget)}: others have taken the cores since it was planned."
-                )
-
-        return watch
+    return watch
 
 
 def simulate_into(
@@ -152,23 +131,27 @@ def simulate_into(
     snapshots: bool,
     companions: bool = True,
     foretold: Collection[str] = (),
-    allowance: Allowance | None = None,
+    allowed: tuple[float, float] | None = None,
     quiet: bool,
 ) -> Simulation:
     """Run the finite-element model and write its history, and snapshots if requested.
 
     Then the same on coarser meshes, if companions are wanted.  What is foretold is said before it
-    starts, in place of what it is going to take.  That it will exceed its allowance is said as soon
-    as its steps show it.
+    starts, in place of what it is going to take.  That it will take longer than allowed is said
+    as soon as its steps show it (`watched`).
     """
     from fem import cost, simulate
-    from fem.budget import check_room
+    from fem.budget import check_room, machine_pace
     from fem.checkpoint import forget_checkpoint
     from fem.results import opening_sentence
 
-    settings = {**settings, "memory": in_bytes(settings.get("memory"))}
-    path = directory / CHECKPOINT
-    checkpointing = _checkpointing(path, **checkpoints)
+    settings = {**settings, "memory": options.in_bytes(settings.get("memory"))}
+    path, every = directory / CHECKPOINT, checkpoints.get("checkpoint_every") or None
+    seconds, resume = checkpoints.get("checkpoint_seconds"), bool(checkpoints.get("resume"))
+    checkpointing: dict[str, Any] = {}
+    if every or seconds is not None or resume:
+        checkpointing = {"checkpoint": path, "checkpoint_every": every}
+        checkpointing |= {"checkpoint_seconds": seconds, "resume": resume}
     predicted = cost(scene, **settings, snapshots=snapshots, checkpoint=bool(checkpointing))
     check_room(directory / "simulation.h5", predicted.history, "simulate: the histories")
 
@@ -177,15 +160,21 @@ def simulate_into(
     def tell(sentence: str) -> None:
         notes.print(sentence, highlight=False, soft_wrap=True)
 
-    if checkpoints.get("resume") and not path.is_file():
+    if resume and not path.is_file():
         tell(f"{label}: there is no {path} to resume from; it starts at t = 0.")
     if not quiet:
-        for sentence in _expected(predicted, directory, foretold):
-            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
+        here = replace(predicted, seconds=machine_pace() * predicted.seconds)
+        for sentence in foretold or ([str(here)] if here.seconds > WORTH_SAYING else []):
+            tell(f"{label}: {sentence}.")
+        if predicted.frames > WORTH_KEEPING:
+            tell(
+                f"{label}: field snapshots will take about {predicted.frames / 1e6:,.0f} MB in "
+                f"{directory / SNAPSHOTS}; --no-snapshots leaves them out."
+            )
     with progress_bar(notes, quiet) as bar:
         progress = bar
-        if allowance is not None and not quiet:
-            progress = allowance.watched(bar, predicted, label, tell)
+        if allowed is not None and not quiet:
+            progress = watched(bar, predicted, allowed, label, tell)
         simulation = simulate(
             scene,
             **settings,
@@ -198,12 +187,9 @@ def simulate_into(
     forget_other_runs(directory, simulation.run)
     forget_checkpoint(path, simulation.run)
     if not quiet:
-        if simulation.remark:
-            notes.print(f"{label}: {simulation.remark}", highlight=False, soft_wrap=True)
         notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
         if simulation.opened:
-            sentence = opening_sentence(simulation)
-            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
+            tell(f"{label}: {opening_sentence(simulation)}.")
     if simulation.unwritten:
         raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
     if not companions:
@@ -236,33 +222,3 @@ def with_error_bars(
     if not quiet:
         notes.print(f"{label}: {terminal.error_line(carrying)}.", highlight=False, soft_wrap=True)
     return carrying
-
-
-def _expected(predicted: Cost, directory: Path, foretold: Collection[str]) -> Iterator[str]:
-    """Yield messages to print before a run starts; times are predictions for this machine."""
-    from fem.budget import machine_pace
-
-    here = replace(predicted, seconds=machine_pace() * predicted.seconds)
-    yield from foretold or ([str(here)] if here.seconds > WORTH_SAYING else [])
-    if predicted.frames > WORTH_KEEPING:
-        yield (
-            f"field snapshots will take about {predicted.frames / 1e6:,.0f} MB in "
-            f"{directory / SNAPSHOTS}; --no-snapshots leaves them out"
-        )
-
-
-def _checkpointing(
-    path: Path,
-    checkpoint_every: int = 0,
-    checkpoint_seconds: float | None = None,
-    resume: bool = False,
-) -> dict[str, Any]:
-    """Return the checkpoint options of a simulation; none if no checkpoints are requested."""
-    if not (checkpoint_every or checkpoint_seconds is not None or resume):
-        return {}
-    return {
-        "checkpoint": path,
-        "checkpoint_every": checkpoint_every or None,
-        "checkpoint_seconds": checkpoint_seconds,
-        "resume": resume,
-    }

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
-from rich.console import Console
+from typing import TYPE_CHECKING, Any
 
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
+from compare.output.printed import PrintedTable
 from semianalytic import find, solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
@@ -19,77 +17,62 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.loading import HalfLine
-from slipfront.cli import terminal
+from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
-from slipfront.cli.options import (
-    LOWER_OPTIONS,
-    MARCH_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    Method,
-    Quiet,
-    SceneArgument,
-    asked,
-    measured_option,
-    with_options,
-)
 from slipfront.cli.scenes.completion import figure_names
-from slipfront.cli.scenes.points import AskedPoints, points_of, points_table
+from slipfront.cli.scenes.points import AskedPoints, points_of, show_answer
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
 
 
 _POINTS = "Points of the contact"
-_Positions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--x",
+
+_OPTIONS: Mapping[str, Any] = {
+    "end_time": options.measured_option(
+        "time",
+        "Time T up to which to report [time]; a march ends there, at 1 / c_t by default.",
+    ),
+    "x": options.option(
+        "Positions x > 0 to tell about, as 0.05 or 5cm,10cm: when slip comes there.",
+        _POINTS,
+        flag="--x",
         metavar="X,...",
-        help="Positions x > 0 to tell about, as 0.05 or 5cm,10cm: when slip comes there.",
-        rich_help_panel=_POINTS,
     ),
-]
-_Times = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--t",
+    "t": options.option(
+        "Times, as 3e-5 or 30us: slip, slip rate and tractions at --x, with their errors.",
+        _POINTS,
+        flag="--t",
         metavar="T,...",
-        help="Times, as 3e-5 or 30us: slip, slip rate and tractions at --x, with their errors.",
-        rich_help_panel=_POINTS,
     ),
-]
+    "plot": options.option("Draw slip rate and tractions (.png, .pdf).", metavar="FILE"),
+    "figure": options.option(
+        "Figure that --plot draws: interface, or one of an installed package.",
+        complete=figure_names,
+        metavar="NAME",
+    ),
+}
 
 
-@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCH_OPTIONS)
+@options.with_options(
+    _OPTIONS,
+    overrides=options.SCENE_OPTIONS,
+    lower=options.LOWER_OPTIONS,
+    march_options=options.MARCH_OPTIONS,
+)
 def solve_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
     march_options: Mapping[str, Any],
-    scene_name: SceneArgument,
-    method: Method = "auto",
-    end_time: Annotated[
-        float | None,
-        measured_option(
-            "time",
-            "Time T up to which to report [time]; a march ends there, at 1 / c_t by default.",
-        ),
-    ] = None,
-    x: _Positions = None,
-    t: _Times = None,
-    as_json: AsJson = False,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
-    ] = None,
-    figure: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Figure that --plot draws: interface, or one of an installed package.",
-            autocompletion=figure_names,
-        ),
-    ] = None,
-    quiet: Quiet = False,
+    scene_name: options.SceneArgument,
+    method: options.Method = "auto",
+    end_time: float | None = None,
+    x: list[str] | None = None,
+    t: list[str] | None = None,
+    as_json: options.AsJson = False,
+    plot: Path | None = None,
+    figure: str | None = None,
+    quiet: options.Quiet = False,
 ) -> None:
     """Solve a scene: slip zones, edge velocities, and everything that happens until an end time.
 
@@ -111,7 +94,7 @@ def solve_command(
         problem = slot_scene(Drive(problem))
     name = chosen(problem, method).name
     asked_for = points_of(problem, x, t)
-    end_time = asked(problem, "end_time", end_time, "time")
+    end_time = options.asked(problem, "end_time", end_time, "time")
     draw = _drawing(plot, figure)
     shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
     if name == "space-time":
@@ -148,32 +131,17 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar problem and print the result.
-
-    Raises
-    ------
-    ComputationError
-        If the answer has not converged; it is printed before.
-    """
+    """Solve a self-similar problem and print the result, also if it has not converged."""
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(problem, method="self-similar")
-    if draw is not None and plot is not None:
-        from compare.figures.saving import save_figure
 
-        save_figure(draw(solution), plot)
-    if as_json:
-        document = solution_document(solution, end_time)
-        document = document if points is None else points.with_units(document, solution)
-        terminal.print_json("solve", document, files=[] if plot is None else [plot])
-    else:
-        console = Console()
-        if points is not None:  # what was asked for comes first
-            console.print(points_table(solution, points))
-        console.print(terminal.zones_table(solution, label))
+    def tables() -> Iterator[PrintedTable]:
+        yield terminal.zones_table(solution, label)
         if end_time is not None:
-            console.print(terminal.end_table(solution, end_time))
-        console.print(terminal.facts_table(solution))
-        if plot is not None:
-            console.print(f"Drawn in {plot}", highlight=False)
+            yield terminal.end_table(solution, end_time)
+        yield terminal.facts_table(solution)
+
+    document = solution_document(solution, end_time)
+    show_answer(solution, document, tables(), points, {"Drawn": plot}, draw, as_json=as_json)
     check_converged(solution, label)

@@ -9,10 +9,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
 from rich.console import Console
 from rich.markup import escape
 
@@ -31,9 +30,10 @@ from slipfront.cli.options import (
     Quiet,
     SceneArgument,
     asked,
-    measured_option,
+    option,
     option_dimension,
     option_name,
+    optional,
     read_number,
     with_options,
 )
@@ -42,13 +42,7 @@ from slipfront.cli.terminal import print_json
 if TYPE_CHECKING:
     from slipfront.surveys.parameters import Scene
 
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
-    ),
-]
+
 _VALUES = (
     "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios; "
     "with units as 1MPa:5MPa:9"
@@ -56,44 +50,49 @@ _VALUES = (
 
 _DIGIT = re.compile(r"\d")
 
+
+def _values(text: str) -> Any:
+    return optional(str, _VALUES, text, metavar="VALUES")
+
+
 VALUE_OPTIONS: Mapping[str, Any] = {
-    name: Annotated[
-        str | None,
-        typer.Option(metavar="VALUES", help=escape(_help), rich_help_panel=_VALUES),
-    ]
-    for name, _help in (
-        (name, hint.__metadata__[0].help.replace("\\[", "["))
-        for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
-        if name not in ("mode", "load_on", "wave", "wave_from", "units")
-    )
+    name: _values(hint.__metadata__[0].help.replace("\\[", "["))
+    for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
+    if name not in ("mode", "load_on", "wave", "wave_from", "units")
 }
 SAMPLES: Mapping[str, Any] = {
-    name: Annotated[
-        str | None, typer.Option(metavar="VALUES", help=escape(text), rich_help_panel=_VALUES)
-    ]
-    for name, text in {
-        "x": "Positions at which fields are stored [length].",
-        "t": "Times at which fields are stored [time].",
-    }.items()
+    "x": _values("Positions at which fields are stored [length]."),
+    "t": _values("Times at which fields are stored [time]."),
 }
 QUESTIONS: Mapping[str, Any] = {
-    "rtol": Annotated[
-        float | None,
-        typer.Option(help="Requested accuracy; 1e-6 by default for solutions, none for marches."),
-    ],
-    "end_time": Annotated[
-        float | None,
-        measured_option("time", "Time until which totals are taken and marches run [time]."),
-    ],
-    "nodes": Annotated[int | None, typer.Option(help="Number of contact nodes of marches.")],
-    "length": Annotated[
-        float | None,
-        measured_option("length", "Length of the contact that marches observe [length]."),
-    ],
+    name: optional(type_, None, text, dimension=dimension)
+    for name, type_, text, dimension in (
+        ("rtol", float, "Requested accuracy; 1e-6 by default for solutions, none for marches.", ""),
+        ("end_time", float, "Time until which totals are taken and marches run [time].", "time"),
+        ("nodes", int, "Number of contact nodes of marches.", ""),
+        ("length", float, "Length of the contact that marches observe [length].", "length"),
+    )
+}
+_OPTIONS: Mapping[str, Any] = {
+    "vary": option(
+        "Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
+        "interface, such as friction_law.distance=1e-5:1e-4:10:log.",
+        metavar="NAME=VALUES",
+    ),
+    "together": option(
+        "Take the values as one list of points instead of a grid.", flag="--together"
+    ),
+    "output": option("NetCDF file to write; results/SCENE-survey.nc by default.", metavar="FILE"),
+    "chunk": option("Largest number of points that are solved and saved together."),
+    "workers": option("Number of processes; one per core by default."),
+    "scheduler": option(
+        "Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.", metavar="ADDRESS"
+    ),
 }
 
 
 @with_options(
+    _OPTIONS,
     values=VALUE_OPTIONS,
     samples=SAMPLES,
     question=QUESTIONS,
@@ -105,32 +104,12 @@ def survey_command(
     question: Mapping[str, Any],
     overrides: Mapping[str, Any],
     scene_name: SceneArgument,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUES",
-            help="Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
-            "interface, such as friction_law.distance=1e-5:1e-4:10:log.",
-        ),
-    ] = None,
-    together: Annotated[
-        bool,
-        typer.Option("--together", help="Take the values as one list of points instead of a grid."),
-    ] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="NetCDF file to write; results/SCENE-survey.nc by default."
-        ),
-    ] = None,
-    chunk: Annotated[
-        int | None,
-        typer.Option(help="Largest number of points that are solved and saved together."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Number of processes; one per core by default.")
-    ] = None,
-    scheduler: Scheduler = None,
+    vary: list[str] | None = None,
+    together: bool = False,
+    output: Path | None = None,
+    chunk: int | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -194,13 +173,7 @@ def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
     """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Numbers of a dimension may have units, all of one text or none; they are returned in the units
-    of the scene.
-
-    Raises
-    ------
-    SceneError
-        If the text has none of these forms, units are not those of the dimension, or there are too
-        many values.
+    of the scene.  Other texts, and too many values, are refused by a SceneError.
     """
     from slipfront.surveys.plan import MOST_VALUES
 

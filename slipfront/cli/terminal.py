@@ -279,7 +279,11 @@ def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> PrintedTabl
         label = f"{label} at {place}" if (place := getattr(row, "place", "")) else label
         cells = [shown_number(getattr(row, name), DIGITS) for name in numbers]
         cells += [row.shown_share(row.difference), row.shown_share(row.bar)]
-        table.add_row(escape(label), *cells, _verdict(row))
+        table.add_row(
+            escape(label),
+            *cells,
+            f"[bold red]{row.said}[/bold red]" if row.verdict == DIFFERS else row.said,
+        )
     return table
 
 
@@ -374,7 +378,3 @@ def _plain(value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_plain(item)}" for key, item in value.items())
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _verdict(row: Row) -> str:
-    return f"[bold red]{row.said}[/bold red]" if row.verdict == DIFFERS else row.said

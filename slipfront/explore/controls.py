@@ -84,13 +84,8 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     """Return the sliders for problems like a given one, in its units.
 
     Tractions range up to twice its own.  Ranges of rates and lengths follow from the motion that
-    its waves cause while they cross a length of 1.
-
-    Raises
-    ------
-    SceneError
-        If a range cannot be divided into steps, for instance because an impedance underflows, or
-        for the reasons of `values_of`.
+    its waves cause while they cross a length of 1.  A range that cannot be divided into steps, for
+    instance because an impedance underflows, is refused by a SceneError.
     """
     stress, rate = 2 * stress_scale(scene), slip_rate_scale(scene)
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
@@ -126,7 +121,8 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
                 "in which its numbers are neither so large nor so small."
             )
         named = "" if dimension == "1" else unit(dimension, scene.units)
-        result.append(Slider(name, label, named, low, high, _step(high - low)))
+        step = float(10.0 ** math.floor(math.log10((high - low) / 200)))  # at least 200 positions
+        result.append(Slider(name, label, named, low, high, step))
     return tuple(result)
 
 
@@ -141,34 +137,24 @@ def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
     )
 
 
-def _step(width: float) -> float:
-    """Return the step of a slider: the power of ten that gives at least 200 positions."""
-    return float(10.0 ** math.floor(math.log10(width / 200)))
-
-
 def defaults(scene: Scene) -> Values:
     """Return the values of all controls; those that the problem does not use are mid-range.
 
     A lower body that is not used has the Poisson ratio of the upper one.
     """
-    rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(scene)}
+    rest: Values = {}
+    for one in sliders(scene):
+        steps = round((one.low + one.high) / 4 / one.step)
+        rest[one.name] = float(f"{steps * one.step:.12g}")
     rest["lower_poisson_ratio"] = scene.material.poisson_ratio
     words = {name: words[0] for name, words in CHOICES.items()}
     return rest | words | values_of(scene)
 
 
-def _rounded(value: float, step: float) -> float:
-    return float(f"{round(value / step) * step:.12g}")
-
-
 def values_of(scene: Scene) -> Values:
     """Return a scene, or two different bodies, as values of controls.
 
-    Raises
-    ------
-    SceneError
-        If pressure and shear have different histories, or there is no control for a law, load or
-        history.
+    A SceneError refuses what there is no control for, as different histories of pressure and shear.
     """
     check_slot("explore", scene)
     document = scene_document(scene)
@@ -194,14 +180,11 @@ def values_of(scene: Scene) -> Values:
     values |= history | {
         name: numbers.get(name, numbers.get(f"friction_law_{name}")) for name in LAWS[values["law"]]
     }
-    return values | {"units": scene.units} | _lower_values(scene)
-
-
-def _lower_values(scene: Scene) -> Values:
+    values |= {"units": scene.units, "lower_body": ALIKE}
     if scene.lower_material is None:
-        return {"lower_body": ALIKE}
+        return values
     upper, lower = scene.bodies
-    return {
+    return values | {
         "lower_body": ANOTHER,
         "modulus_ratio": lower.shear_modulus / upper.shear_modulus,
         "density_ratio": lower.density / upper.density,
@@ -240,20 +223,18 @@ def _load_document(values: Mapping[str, Any]) -> Values:
 def scene_of(values: Mapping[str, Any]) -> Scene:
     """Return the scene that values of controls describe; values that it does not use are ignored.
 
-    Raises
-    ------
-    SceneError
-        If a value is missing, not a number, or out of range, or the scene does not exist, or
-        different bodies have no exact answer under such a load or law.
+    A SceneError refuses values that are missing or no numbers, scenes that do not exist, and
+    different bodies that have no exact answer under such a load or law.
     """
     numbers = {name: _number(values, name) for name in _NUMBERS}
+    at_once = values.get("load", "at once") == "at once"
     document: dict[str, Any] = {
         "friction": numbers["friction"],
         "material": {name: numbers[name] for name in ("shear_modulus", "density", "poisson_ratio")},
         "base": {kind: numbers[f"base_{kind}"] for kind in ("pressure", "shear")},
         "load": _load_document(values),
         "mode": values.get("mode", IN_PLANE),
-        "load_on": values.get("load_on", SLOT) if _at_once(values) else SLOT,
+        "load_on": values.get("load_on", SLOT) if at_once else SLOT,
         "units": values.get("units", ""),
         "friction_law": _part(values, "law", LAWS),
     }
@@ -277,17 +258,9 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
 
 
 _NUMBERS = (
-    "shear_modulus",
-    "density",
-    "poisson_ratio",
-    "friction",
-    "base_pressure",
-    "base_shear",
+    *("shear_modulus", "density", "poisson_ratio"),
+    *("friction", "base_pressure", "base_shear"),
 )
-
-
-def _at_once(values: Mapping[str, Any]) -> bool:
-    return bool(values.get("load", "at once") == "at once")
 
 
 def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, ...]]) -> Values:
@@ -315,9 +288,8 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 def query_of(values: Mapping[str, Any]) -> str:
     """Return the query of an address, ``?friction=0.3&...``, with all that its scene uses."""
     names = [*_NUMBERS, *LOADS[values["load"]], "mode", "units", "law", *LAWS[values["law"]]]
-    names += [] if _at_once(values) else ["load"]
-    names += ["history"]
-    names += HISTORIES[values["history"]]
+    names += [] if values["load"] == "at once" else ["load"]
+    names += ["history", *HISTORIES[values["history"]]]
     own = LOWER[values["lower_body"]]
     names += ["lower_body", *own] if own else []
     return "?" + urlencode({name: values[name] for name in names})
@@ -327,12 +299,7 @@ def values_from_query(query: str, start: Scene) -> Values:
     """Return the values of all controls for the query of an address.
 
     Values missing from the query are those of the problem `start`; values that neither uses are
-    mid-range.
-
-    Raises
-    ------
-    SceneError
-        If a name is unknown, a value is invalid, or the scene does not exist.
+    mid-range.  Names and values that are none are refused by a SceneError.
     """
     base = defaults(start)
     texts = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from typing import Any
 
 from semianalytic import Scene
@@ -16,7 +16,6 @@ from slipfront.explore.views import end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and its content."""
-
 _LONGEST_LINE = 60
 """Longest line of a program that the page shows without breaking it."""
 _COLUMNS = {
@@ -29,12 +28,10 @@ _COLUMNS = {
 
 def figure_file(answer: Any, form: str) -> Content:
     """Return the matplotlib figure of an answer as svg, pdf or png."""
-    from compare.figures.histories import march_figure
-    from compare.figures.interface import prediction_figure
+    from compare.figures.named import answer_figure
 
     drawn = io.BytesIO()
-    figure = march_figure(answer) if answer.method == "space-time" else prediction_figure(answer)
-    figure.savefig(drawn, format=form, dpi=200)
+    answer_figure(answer).savefig(drawn, format=form, dpi=200)
     mime = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}[form]
     return f"slipfront.{form}", mime, drawn.getvalue()
 
@@ -53,20 +50,16 @@ def table_file(answer: Any) -> Content:
     return "slipfront.csv", "text/csv", text.getvalue().encode()
 
 
-def scene_file(scene: Scene) -> Content:
-    """Return the scene as a commented TOML file, which commands accept."""
-    text = scene_text(scene, "slipfront explore")
-    return "scene.toml", "application/toml", text.encode()
-
-
 def program(scene: Scene) -> str:
     """Return a short Python program that reproduces the answer."""
-    parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
     lines = ["import slipfront as sf", "", "scene = sf.Scene("]
-    for name in parts:
-        value = repr(getattr(scene, name))
-        made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
-        lines += _argument(name, made)
+    for one in fields(scene):
+        made = None if one.default_factory is MISSING else one.default_factory()
+        value = getattr(scene, one.name)
+        if value != (made if one.default is MISSING else one.default):
+            text = repr(value)
+            # classes stand behind sf
+            lines += _argument(one.name, f"sf.{text}" if text[0].isupper() else text)
     time = end_time(scene)
     if chosen(scene).name == "self-similar":
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
@@ -85,30 +78,16 @@ def _argument(name: str, made: str) -> list[str]:
     return [f"    {name}={head}(", *parts, "    ),"]
 
 
-def _qualified(value: str) -> str:
-    """Return a value of a scene as a user's program writes it, with classes behind sf."""
-    return f"sf.{value}" if value[0].isupper() else value
-
-
-def _default(one: Any) -> Any:
-    from dataclasses import MISSING
-
-    if one.default is not MISSING:
-        return one.default
-    return one.default_factory() if one.default_factory is not MISSING else MISSING
-
-
-def program_file(scene: Scene) -> Content:
-    """Return `program` as a file."""
-    return "scene.py", "text/x-python", program(scene).encode()
-
-
 FILES: Mapping[str, Callable[[Any], Content]] = {
     "svg": lambda answer: figure_file(answer, "svg"),
     "pdf": lambda answer: figure_file(answer, "pdf"),
     "png": lambda answer: figure_file(answer, "png"),
     "csv": table_file,
-    "toml": lambda answer: scene_file(answer.scene),
-    "python": lambda answer: program_file(answer.scene),
+    "toml": lambda answer: (
+        "scene.toml",
+        "application/toml",
+        scene_text(answer.scene, "slipfront explore").encode(),
+    ),
+    "python": lambda answer: ("scene.py", "text/x-python", program(answer.scene).encode()),
 }
 """The function behind each download button of the page."""

@@ -41,10 +41,7 @@ LEAST_SHARE = 0.05
 def moment_in(query: str) -> tuple[Moment, str]:
     """Return the moment that an address names, and the address without it.
 
-    Raises
-    ------
-    SceneError
-        If the address names a time beyond the slider's, or a picture that there is none of.
+    A SceneError refuses a time beyond the slider's, and a picture that there is none of.
     """
     pairs = parse_qsl(query.removeprefix("?"), keep_blank_values=True)
     named, rest = dict(pairs), [pair for pair in pairs if pair[0] not in ("time", "picture")]

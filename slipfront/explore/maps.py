@@ -67,14 +67,10 @@ def can_map(scene: Scene) -> bool:
 
 
 def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
-    """Map the regimes of a scene over Poisson ratio and friction, a column at a time.
+    """Map the regimes of a self-similar scene over Poisson ratio and friction, a column at a time.
 
-    Parameters
-    ----------
-    scene : Scene
-        Self-similar scene; its own Poisson ratio and friction do not matter.
-    progress : callable
-        Called with the number of finished columns and of all columns.
+    Its own Poisson ratio and friction do not matter; `progress` gets the numbers of finished
+    columns and of all columns.
     """
     swept = isinstance(scene.friction, float)
     size = SIZE if swept else SIZE_ONE_BY_ONE

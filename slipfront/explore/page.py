@@ -20,6 +20,7 @@ from semianalytic import Marched, Scene, Tractions
 from semianalytic.methods import chosen
 from semianalytic.results.answer import method_of
 from semianalytic.scene.errors import SlipfrontError
+from slipfront.explore import jobs, views
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
     CHOICES,
@@ -35,16 +36,6 @@ from slipfront.explore.controls import (
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
-from slipfront.explore.jobs import (
-    LEAST_SHARE,
-    MarchViews,
-    Moment,
-    marched_field,
-    marched_views,
-    moment_in,
-    solved,
-    solved_field,
-)
 from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
 from slipfront.explore.pictures import (
     CURVES,
@@ -56,14 +47,6 @@ from slipfront.explore.pictures import (
 )
 from slipfront.explore.readings import readings, scales
 from slipfront.explore.template import bokeh_scripts, known_queries, template
-from slipfront.explore.views import (
-    DISPLACEMENT,
-    NODES,
-    SPEED,
-    FieldView,
-    interface_view,
-    space_time_view,
-)
 from slipfront.explore.work import Worker
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
@@ -78,16 +61,10 @@ LISTEN = 40
 
 
 class Session:
-    """One page in one browser.
+    """One page in one browser, whose pictures are added to a document of Bokeh.
 
-    Parameters
-    ----------
-    document : Document
-        Bokeh document, to which the pictures are added.
-    start : Scene
-        Problem that the page shows at first unless its address says more; it sets the sliders.
-    query : str
-        Query of the address, "" or "?friction=...".
+    It shows a problem at first, which sets the sliders, unless the query of its address, "" or
+    "?friction=...", says more.
     """
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:
@@ -98,7 +75,7 @@ class Session:
         self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
         self._map_to = 0.0  # its largest friction
         self._maps: dict[tuple[object, ...], RegimeMap] = {}
-        self._moment = Moment()
+        self._moment = jobs.Moment()
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Any, ...] | None = None
         self._board = board = Board()
@@ -115,16 +92,9 @@ class Session:
         """Fill the document."""
         document = self._document
         document.title = "slipfront explore"
-        roots = (
-            self._interface.rate,
-            self._interface.tractions,
-            self._interface.slip,
-            self._space_time.panel,
-            self._field.panel,
-            self._map.panel,
-            self._asked,
-            self._told,
-        )
+        interface, others = self._interface, (self._space_time, self._field, self._map)
+        panels = (interface.rate, interface.tractions, interface.slip)
+        roots = (*panels, *(one.panel for one in others), self._asked, self._told)
         # One search for all models in place of eight, each through all roots so far.
         with document.models.freeze():
             for root in roots:
@@ -135,7 +105,7 @@ class Session:
             sliders=[one.name for one in sliders(self._start)],
             choices=CHOICES,
             scenes=known_queries(),
-            quantities=(SPEED, DISPLACEMENT),
+            quantities=(views.SPEED, views.DISPLACEMENT),
             given={
                 **self._opened(query),
                 "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS, "lower_body": LOWER},
@@ -151,9 +121,9 @@ class Session:
 
         The sliders of the start scene are kept if they suit the values.
         """
-        moment = Moment()
+        moment = jobs.Moment()
         try:
-            moment, query = moment_in(query)
+            moment, query = jobs.moment_in(query)
             values, message = values_from_query(query, self._start), ""
         except SlipfrontError as error:
             values = defaults(self._start)
@@ -181,8 +151,10 @@ class Session:
         elif "file" in asked:
             self._send_file(asked["file"])
         else:
-            share = min(max(float(asked.get("share", 1.0)), LEAST_SHARE), 1.0)
-            self._moment = Moment(share, DISPLACEMENT if asked.get("of") == DISPLACEMENT else SPEED)
+            share = min(max(float(asked.get("share", 1.0)), jobs.LEAST_SHARE), 1.0)
+            self._moment = jobs.Moment(
+                share, views.DISPLACEMENT if asked.get("of") == views.DISPLACEMENT else views.SPEED
+            )
             self._show(asked["values"], asked["moving"], asked["since"])
 
     def _send_file(self, form: str) -> None:
@@ -197,10 +169,11 @@ class Session:
         """Draw the scene of the controls, or say why it does not exist."""
         # the address follows the controls where there is no answer as well
         query = query_of(values) + self._moment.query
+        told = {"since": since, "query": query, "moving": moving}
         try:
             scene = scene_of(values)
             if method_of(self._answer) == "space-time" and self._answer.scene == scene:
-                self._show_march(self._answer, moving, since, query)
+                self._show_march(self._answer, told)
                 return
             if self._march_worker.busy and self._marching == scene:
                 self._tell(since=since, moving=moving)  # drawn when the march is done
@@ -209,9 +182,9 @@ class Session:
             self._shown = self._marching = None
             self._map.place(scene.coefficient, scene.material.poisson_ratio)
             if chosen(scene).name == "self-similar":
-                self._show_solution(scene, moving, since, query)
+                self._show_solution(scene, told)
             else:
-                self._march(scene, moving, since, query)
+                self._march(scene, told)
             if not moving:
                 self._draw_map(scene)
         except SlipfrontError as error:
@@ -228,47 +201,37 @@ class Session:
         self._answer = self._shown = None
         self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
 
-    def _march(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+    def _march(self, scene: Scene, told: Mapping[str, Any]) -> None:
         """Start the march of a scene once its slider stands still."""
         self._answer = None
-        self._tell(
-            stale=True,
-            query=query,
-            moving=moving,
-            since=since,
-            status="let go of the slider to march it" if moving else "marching",
-            readings=[],
-            scales=scales(scene),
-        )
-        if not moving:
+        status = "let go of the slider to march it" if told["moving"] else "marching"
+        self._tell(**told, stale=True, status=status, readings=[], scales=scales(scene))
+        if not told["moving"]:
             self._marching = scene
-            self._march_worker.start(marched_views, scene, self._moment)
+            self._march_worker.start(jobs.marched_views, scene, self._moment)
 
-    def _show_march(self, marched: Marched, moving: bool, since: float, query: str) -> None:
+    def _show_march(self, marched: Marched, told: Mapping[str, Any]) -> None:
         """Draw another moment of a march that is done; its field comes when the slider stops."""
-        self._draw_contact(marched, NODES)
-        told = {"status": marched.status, "error": f"{marched.error_estimate:.1e}"}
-        self._tell(since=since, query=query, moving=moving, **told)
-        if not moving and isinstance(marched.scene.load, Tractions):
-            self._march_worker.start(marched_field, marched, self._moment)
+        self._draw_contact(marched, views.NODES)
+        self._tell(**told, status=marched.status, error=f"{marched.error_estimate:.1e}")
+        if not told["moving"] and isinstance(marched.scene.load, Tractions):
+            self._march_worker.start(jobs.marched_field, marched, self._moment)
 
     def _draw_contact(self, answer: Any, nodes: int) -> None:
         """Draw the pictures of the contact at the present moment."""
-        share, space_time = self._moment.share, space_time_view(answer)
-        self._interface.draw(interface_view(answer, nodes, share), space_time, share)
+        share, space_time = self._moment.share, views.space_time_view(answer)
+        self._interface.draw(views.interface_view(answer, nodes, share), space_time, share)
         self._space_time.draw(space_time)
         self._space_time.mark(share)
 
-    def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
-        began = time.perf_counter()
-        solution = solved(scene, MOVING_RTOL if moving else RTOL)
+    def _show_solution(self, scene: Scene, told: Mapping[str, Any]) -> None:
+        moving, began = told["moving"], time.perf_counter()
+        solution = jobs.solved(scene, MOVING_RTOL if moving else RTOL)
         seconds = time.perf_counter() - began
-        self._draw_contact(solution, MOVING_NODES if moving else NODES)
+        self._draw_contact(solution, MOVING_NODES if moving else views.NODES)
         self._answer, self._shown = solution, scene
         self._tell(
-            since=since,
-            query=query,
-            moving=moving,
+            **told,
             status=solution.status,
             error=f"{solution.error_estimate:.1e}",
             solved=1e3 * seconds,
@@ -283,7 +246,7 @@ class Session:
 
     def _next_field(self) -> None:
         if self._asked_field is not None:
-            self._field_worker.start(solved_field, *self._asked_field)
+            self._field_worker.start(jobs.solved_field, *self._asked_field)
             self._asked_field = None
 
     def _draw_map(self, scene: Scene) -> None:
@@ -323,7 +286,7 @@ class Session:
     def _field_news(self, kind: str, content: Any) -> None:
         if self._shown is None:  # a marched or refused scene has no field of the exact solver
             self._asked_field = None
-        elif kind == "result" and isinstance(content, FieldView):
+        elif kind == "result" and isinstance(content, views.FieldView):
             self._field.draw(content)
             self._tell(field=self._asked_field is None)
         elif kind == "refusal":
@@ -343,16 +306,16 @@ class Session:
     def _march_news(self, kind: str, content: Any) -> None:
         if kind == "progress":
             self._tell(progress=content[0] / content[1])
-        elif kind == "result" and isinstance(content, MarchViews):
+        elif kind == "result" and isinstance(content, jobs.MarchViews):
             self._answer = content.marched
-            self._draw_contact(content.marched, NODES)
+            self._draw_contact(content.marched, views.NODES)
             said = {}
             if content.field is None:
                 said["message"] = NO_FIELD
             else:
                 self._field.draw(content.field)
                 if content.moment != self._moment:
-                    self._march_worker.start(marched_field, content.marched, self._moment)
+                    self._march_worker.start(jobs.marched_field, content.marched, self._moment)
             self._tell(
                 progress=1.0,
                 status=content.marched.status,
@@ -362,7 +325,7 @@ class Session:
                 field=content.field is not None,
                 **said,
             )
-        elif kind == "result" and isinstance(content, FieldView):
+        elif kind == "result" and isinstance(content, views.FieldView):
             self._field.draw(content)
             self._tell(field=True)
         else:

@@ -32,32 +32,24 @@ from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS
-from compare.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    REGIME_COLOURS,
-    SENSE_COLOURS,
-    STICK_SHADE,
-    VERMILLION,
-    shade,
-)
+from compare.figures import style
 from slipfront.explore.board import Board
 from slipfront.explore.maps import REGIMES, RegimeMap
 from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
 
-SHADES = {kind: shade(kind) for kind in KINDS}
+SHADES = {kind: style.shade(kind) for kind in KINDS}
 WAVES = WAVE_SYMBOLS | {f"{LOWER}{name}": f"{symbol}2" for name, symbol in WAVE_SYMBOLS.items()}
 """Symbols of wave fronts; c_t2 and c_l2 are those of a different lower body."""
 CURVES = {
-    "shear traction": (BLUE, "solid"),
-    "± f p": (VERMILLION, "dotted"),
-    "pressure p": (GREEN, "dashed"),
+    "shear traction": (style.BLUE, "solid"),
+    "± f p": (style.VERMILLION, "dotted"),
+    "pressure p": (style.GREEN, "dashed"),
 }
 """Colours and dashes of tractions."""
 GREY = "#595959"
 """Colour of wave fronts on white."""
 HEIGHT = 260
+SMALL = {"text_font_size": "8pt"}
 WITH_COLOUR_BAR = 1.12
 """Width over height of a picture with equal axes and a colour bar."""
 
@@ -72,12 +64,13 @@ def _source(*names: str) -> ColumnDataSource:
     return ColumnDataSource({name: [] for name in names})
 
 
-def _panel(name: str, x_label: str, y_label: str, height: int = HEIGHT) -> figure:
-    """Return an empty picture as wide as its place on the page; height in pixels."""
+def _panel(name: str, x_label: str, y_label: str, *, square: bool = False) -> figure:
+    """Return an empty picture as wide as its place on the page, or with nearly equal sides."""
     panel = figure(
         name=name,
-        height=height,
-        sizing_mode="stretch_width",
+        height=None if square else HEIGHT,
+        sizing_mode="scale_width" if square else "stretch_width",
+        aspect_ratio=WITH_COLOUR_BAR if square else None,
         tools="pan,box_zoom,wheel_zoom,reset,save",
         active_drag=None,
         toolbar_location="above",
@@ -116,34 +109,16 @@ class InterfacePictures:
         self._zones = _source("left", "right", "colour")
         self._waves = _source("x", "name", "side", "offset")
         for panel in (self.rate, self.tractions, self.slip):
-            panel.add_glyph(
-                self._zones,
-                Quad(
-                    left="left",
-                    right="right",
-                    top=1e6,
-                    bottom=-1e6,
-                    fill_color="colour",
-                    line_color="colour",
-                ),
-            )
+            zone = Quad(left="left", right="right", top=1e6, bottom=-1e6)
+            zone.update(fill_color="colour", line_color="colour")
+            panel.add_glyph(self._zones, zone)
             front = Segment(x0="x", y0=-1e6, x1="x", y1=1e6, line_color=GREY, line_dash="4 3")
             panel.add_glyph(self._waves, front)
-            panel.add_layout(
-                LabelSet(
-                    x="x",
-                    y=1,
-                    y_units="screen",
-                    text="name",
-                    source=self._waves,
-                    text_align="side",
-                    x_offset="offset",
-                    text_font_size="8pt",
-                    text_color="#404040",
-                )
-            )
+            names = LabelSet(x="x", y=1, y_units="screen", text="name", source=self._waves)
+            names.update(text_align="side", x_offset="offset", **SMALL, text_color="#404040")
+            panel.add_layout(names)
         rate, slip = (
-            panel.add_glyph(self._lines, Line(x="x", y=name, line_color=BLUE, line_width=2))
+            panel.add_glyph(self._lines, Line(x="x", y=name, line_color=style.BLUE, line_width=2))
             for panel, name in ((self.rate, "rate"), (self.slip, "slip"))
         )
         place = "@x{0.0000}"
@@ -202,32 +177,26 @@ class SpaceTimePicture:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self.panel = _panel("zones", "x / (c_t T)", "t / T")
-        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
-        self.panel.background_fill_color = STICK_SHADE
+        self.panel = _panel("zones", "x / (c_t T)", "t / T", square=True)
+        self.panel.background_fill_color = style.STICK_SHADE
         self._image = _source("image", "dw")
         mapper = LinearColorMapper(list(SHADES.values()), low=-0.5, high=len(SHADES) - 0.5)
         marched = Image(image="image", x=0, y=0, dw="dw", dh=1, color_mapper=mapper)
         self.panel.add_glyph(self._image, marched)
         self._wedges = _source("xs", "ys", "colour", "kind")
-        shapes = Patches(xs="xs", ys="ys", fill_color="colour", line_color=BLACK, line_width=0.7)
+        shapes = Patches(
+            xs="xs", ys="ys", fill_color="colour", line_color=style.BLACK, line_width=0.7
+        )
         wedges = self.panel.add_glyph(self._wedges, shapes)
         _tell_values(self.panel, wedges, state="@kind", x="$x{0.0000}", t="$y{0.0000}")
         self._waves, self._time = _source("xs", "ys"), _source("y")
         fronts = MultiLine(xs="xs", ys="ys", line_color=GREY, line_dash="4 3")
         self.panel.add_glyph(self._waves, fronts)
-        moment = Segment(x0=0, y0="y", x1=1e3, y1="y", line_color=BLACK, line_width=1.5)
+        moment = Segment(x0=0, y0="y", x1=1e3, y1="y", line_color=style.BLACK, line_width=1.5)
         self.panel.add_glyph(self._time, moment)
         self._names = _source("x", "name", "side")
-        names = Text(
-            x="x",
-            y=0.99,
-            text="name",
-            text_align="side",
-            text_color=BLACK,
-            text_font_size="8pt",
-            text_baseline="top",
-        )
+        names = Text(x="x", y=0.99, text="name", text_align="side", text_baseline="top")
+        names.update(text_color=style.BLACK, **SMALL)
         self.panel.add_glyph(self._names, names)
 
     def mark(self, share: float) -> None:
@@ -247,11 +216,8 @@ class SpaceTimePicture:
             colour=[SHADES[kind] for kind, *_ in view.wedges],
             kind=[kind for kind, *_ in view.wedges],
         )
-        board.fill(
-            self._waves,
-            xs=[[0.0, at] for at in view.waves.values()],
-            ys=[[0.0, 1.0] for _ in view.waves],
-        )
+        rays = [[0.0, at] for at in view.waves.values()]
+        board.fill(self._waves, xs=rays, ys=[[0.0, 1.0] for _ in rays])
         before = _labelled_before(view.waves)
         board.fill(
             self._names,
@@ -263,18 +229,12 @@ class SpaceTimePicture:
 
 
 def _labelled_before(waves: Mapping[str, float]) -> set[str]:
-    """Return the waves whose labels stand before their lines.
-
-    The label of the fastest wave would be cut off behind its line by the end of a narrow axis.
-    """
+    """Return the waves whose labels stand before their lines, or a narrow axis cuts them off."""
     return {"Rayleigh", max(waves, key=lambda name: waves[name])}
 
 
 def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[float]]:
-    """Return the corners of the area between two edges until T.
-
-    If the outer edge is at infinity, it covers the picture beyond the inner one.
-    """
+    """Return corners of the area between two edges until T; beyond the inner one if infinite."""
     if math.isinf(outer):
         return [0.0, inner, reach, reach], [0.0, 1.0, 1.0, 0.0]
     return [0.0, inner, outer], [0.0, 1.0, 1.0]
@@ -285,25 +245,23 @@ class EdgePicture:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self.panel = _panel("field", "x / (c_t T)", "y / (c_t T)")
-        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
+        self.panel = _panel("field", "x / (c_t T)", "y / (c_t T)", square=True)
         self._image = _source("image", "x", "width")
         self._colours = LinearColorMapper(Viridis256, low=0.0, high=1.0)
-        speed = Image(
-            image="image", x="x", y="x", dw="width", dh="width", color_mapper=self._colours
-        )
+        place = {"x": "x", "y": "x", "dw": "width", "dh": "width"}
+        speed = Image(image="image", **place, color_mapper=self._colours)
         drawn = self.panel.add_glyph(self._image, speed)
         _tell_values(self.panel, drawn, value="@image{0.0000}", x="$x{0.000}", y="$y{0.000}")
         self._names = _source("x", "y", "name")
         self._fronts, self._parts = _source("xs", "ys"), _source("xs", "ys", "colour")
         fronts = MultiLine(xs="xs", ys="ys", line_color="white", line_dash="4 3")
         self.panel.add_glyph(self._fronts, fronts)
-        slot = Segment(x0=-100, y0=0, x1=0, y1=0, line_color=BLACK, line_width=4)
+        slot = Segment(x0=-100, y0=0, x1=0, y1=0, line_color=style.BLACK, line_width=4)
         self.panel.add_glyph(slot)
         parts = MultiLine(xs="xs", ys="ys", line_color="colour", line_width=4)
         self.panel.add_glyph(self._parts, parts)
         self.panel.add_layout(ColorBar(color_mapper=self._colours, width=10, padding=4), "right")
-        names = Text(x="x", y="y", text="name", text_color="white", text_font_size="8pt")
+        names = Text(x="x", y="y", text="name", text_color="white", **SMALL)
         self.panel.add_glyph(self._names, names)
 
     def draw(self, view: FieldView) -> None:
@@ -311,22 +269,16 @@ class EdgePicture:
         board, far = self._board, view.reach
         self._image.data = {"image": [view.size], "x": [-far], "width": [2 * far]}
         board.set(self._colours, high=view.largest)
-        board.fill(
-            self._names,
-            x=[x for _, x, _ in view.names],
-            y=[y for *_, y in view.names],
-            name=[WAVES.get(name, name) for name, *_ in view.names],
-        )
-        board.fill(
-            self._fronts,
-            xs=[_column(x) for x, _ in view.lines],
-            ys=[_column(y) for _, y in view.lines],
-        )
+        names, xs, ys = zip(*view.names, strict=True) if view.names else ((), (), ())
+        named = [WAVES.get(name, name) for name in names]
+        board.fill(self._names, x=list(xs), y=list(ys), name=named)
+        along, across = ([_column(line[at]) for line in view.lines] for at in (0, 1))
+        board.fill(self._fronts, xs=along, ys=across)
         board.fill(
             self._parts,
             xs=[[start, end] for _, start, end in view.parts],
             ys=[[0.0, 0.0] for _ in view.parts],
-            colour=[SENSE_COLOURS[kind] for kind, *_ in view.parts],
+            colour=[style.SENSE_COLOURS[kind] for kind, *_ in view.parts],
         )
         for axis in (self.panel.x_range, self.panel.y_range):
             board.limit(axis, -far, far)
@@ -337,26 +289,18 @@ class MapPicture:
 
     def __init__(self, board: Board) -> None:
         self._board = board
-        self.panel = _panel("map", "friction f", "Poisson ratio ν")
-        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
+        self.panel = _panel("map", "friction f", "Poisson ratio ν", square=True)
         self._image = _source("image", "x", "y", "width", "height")
         names = list(REGIMES)
         mapper = LinearColorMapper(
-            [REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
+            [style.REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
         )
         regimes = Image(image="image", x="x", y="y", dw="width", dh="height", color_mapper=mapper)
         drawn = self.panel.add_glyph(self._image, regimes)
         _tell_values(self.panel, drawn, friction="$x{0.000}", Poisson_ratio="$y{0.000}")
         self._place = _source("x", "y")
-        here = Scatter(
-            x="x",
-            y="y",
-            marker="circle_cross",
-            size=16,
-            fill_color="white",
-            line_color=BLACK,
-            line_width=2,
-        )
+        here = Scatter(x="x", y="y", marker="circle_cross", size=16, fill_color="white")
+        here.update(line_color=style.BLACK, line_width=2)
         self.panel.add_glyph(self._place, here)
 
     def place(self, friction: float, poisson_ratio: float) -> None:
@@ -369,15 +313,10 @@ class MapPicture:
             self._image.data = {name: [] for name in self._image.data}
             return []
         (low, high), (least, most) = drawn.friction, drawn.poisson_ratio
-        self._image.data = {
-            "image": [drawn.image],
-            "x": [low],
-            "y": [least],
-            "width": [high - low],
-            "height": [most - least],
-        }
+        sizes = {"width": [high - low], "height": [most - least]}
+        self._image.data = {"image": [drawn.image], "x": [low], "y": [least], **sizes}
         self._board.limit(self.panel.x_range, low, high)
         self._board.limit(self.panel.y_range, least, most)
         names = list(REGIMES)
         present = [names[int(number)] for number in np.unique(drawn.image)]
-        return [{"name": REGIMES[name], "colour": REGIME_COLOURS[name]} for name in present]
+        return [{"name": REGIMES[name], "colour": style.REGIME_COLOURS[name]} for name in present]

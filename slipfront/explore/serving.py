@@ -106,10 +106,7 @@ class _LocalTornado(BokehTornado):
 def make_server(scene: Scene, port: int) -> BaseServer:
     """Make a server of the page for a scene; port 0 takes any free port.
 
-    Raises
-    ------
-    SceneError
-        If the port is in use or not permitted.
+    A port that is in use or not permitted is refused by a SceneError.
     """
 
     def open_page(document: Document) -> None:
@@ -148,17 +145,7 @@ def address_of(server: BaseServer) -> str:
 
 
 def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
-    """Serve the page until it is interrupted.
-
-    Parameters
-    ----------
-    scene : Scene
-    port : int
-    browser : bool
-        Whether to open a browser.
-    tell : callable
-        Called with the address once the page is served.
-    """
+    """Serve the page until it is interrupted, and tell its address; a browser may open it."""
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     logging.getLogger("tornado.access").setLevel(logging.ERROR)
     server = make_server(scene, port)

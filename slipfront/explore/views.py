@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
-from semianalytic import Marched, Scene, Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic import Marched, Scene
 from semianalytic.results.answer import WholeFields
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
@@ -87,7 +86,7 @@ def interface_view(answer: Any, nodes: int = NODES, share: float = 1.0) -> Inter
     scene = answer.scene
     end, stress = end_time(scene), stress_scale(scene)
     time, rate = share * end, slip_rate_scale(scene)
-    x = _march_places(answer) if answer.method == "space-time" else _places(answer, nodes, share)
+    x = _places(answer, nodes, share)
     pressure = answer.pressure(x, time)
     return InterfaceView(
         x=x / (scene.material.shear_speed * end),
@@ -99,8 +98,11 @@ def interface_view(answer: Any, nodes: int = NODES, share: float = 1.0) -> Inter
     )
 
 
-def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Array:
+def _places(solution: Any, nodes: int, share: float) -> Array:
     """Return positions [length] that make curves smooth, denser near edges and fronts."""
+    if solution.method == "space-time":
+        x = solution.interface.x
+        return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
     scene, fronts = solution.scene, contact_fronts(solution.scene)
     far = reach(solution, end_time(scene))[1] / end_time(scene)
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
@@ -110,11 +112,6 @@ def _places(solution: Solution | PairSolution, nodes: int, share: float) -> Arra
     speeds = np.concatenate([even / share, even, (near[:, None] * (1 + BESIDE)).ravel()])
     inside = (speeds > 0) & (speeds <= far / share)
     return np.unique(speeds[inside]) * share * end_time(scene)
-
-
-def _march_places(marched: Marched) -> Array:
-    x = marched.interface.x
-    return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
 
 
 def _limits(values: Array, margin: float) -> tuple[float, float]:

@@ -48,7 +48,9 @@ class Worker:
     def news(self) -> News | None:
         """Return the newest message since the last call, or None."""
         newest = None
-        while self.busy and self._pipe is not None and _more_may_come(newest):
+        while (
+            self.busy and self._pipe is not None and (newest is None or newest.kind == "progress")
+        ):
             try:
                 if not self._pipe.poll():
                     break
@@ -68,11 +70,6 @@ class Worker:
         if self._pipe is not None:
             self._pipe.close()
         self._process, self._pipe, self.busy = None, None, False
-
-
-def _more_may_come(newest: News | None) -> bool:
-    """Return whether more messages may follow this one."""
-    return newest is None or newest.kind == "progress"
 
 
 def _serve(pipe: Connection) -> None:

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from compare.records.names import NOISE
-from compare.records.options import Placed, ReadingOptions
 from compare.records.read import read_records
-from compare.records.record import AFTER, Array, Record, Records
+from compare.records.record import AFTER, Array, Placed, ReadingOptions, Record, Records
 from compare.validation.readings import base_of
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.arguments import checking

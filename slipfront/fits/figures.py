@@ -9,18 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from compare.figures.style import (
-    PREDICTION,
-    SMALL,
-    VERMILLION,
-    cycle,
-    describe,
-    ink,
-    line_handle,
-    marker_handle,
-    new_figure,
-    styled,
-)
+from compare.figures import style
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
@@ -65,7 +54,7 @@ class _Panel:
     curves: Sequence[_Curve]
 
 
-@styled
+@style.styled
 def fit_figure(fit: Fit) -> Figure:
     """Draw records and residuals of a fit on the left, its parameters on the right.
 
@@ -75,7 +64,7 @@ def fit_figure(fit: Fit) -> Figure:
     panels = list(_panels(fit))
     height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
     what = "fit of a scene on a line" if fit.scene.on_line else fit.scene
-    figure = describe(new_figure(12.5, height), what)
+    figure = style.describe(style.new_figure(12.5, height), what)
     left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
     _draw_records(left, fit, panels)
     _draw_parameters(right, fit)
@@ -143,24 +132,26 @@ def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Ite
 def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None:
     axes = figure.subplots(len(panels), 2, squeeze=False, width_ratios=(2, 1))
     for (left, right), panel in zip(axes, panels, strict=True):
-        for curve, colour in zip(panel.curves, cycle(), strict=False):
+        for curve, colour in zip(panel.curves, style.cycle(), strict=False):
             left.plot(curve.at, curve.recorded, ".", color=colour, markersize=3.5, alpha=0.7)
             left.plot(curve.fine, curve.fitted, color=colour, linewidth=1.2, label=curve.label)
             right.plot(curve.at, curve.residual, ".", color=colour, markersize=3.5)
         for level in (-2, 0, 2):
-            right.axhline(level, color=ink(), linewidth=0.6, linestyle="-" if not level else "--")
-        left.set_title(panel.title, fontsize=SMALL)
-        right.set_title("residual / noise", fontsize=SMALL)
+            right.axhline(
+                level, color=style.ink(), linewidth=0.6, linestyle="-" if not level else "--"
+            )
+        left.set_title(panel.title, fontsize=style.SMALL)
+        right.set_title("residual / noise", fontsize=style.SMALL)
         dimensioned = unit("time" if panel.along == "t" else "length", fit.scene.units)
         for one in (left, right):
-            one.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=SMALL)
-            one.tick_params(labelsize=SMALL)
+            one.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=style.SMALL)
+            one.tick_params(labelsize=style.SMALL)
             one.ticklabel_format(scilimits=(-3, 4))
             one.locator_params(axis="x", nbins=5)
             for axis in (one.xaxis, one.yaxis):
-                axis.offsetText.set_fontsize(SMALL)
+                axis.offsetText.set_fontsize(style.SMALL)
         if panel.curves[0].label:
-            left.legend(fontsize=SMALL)
+            left.legend(fontsize=style.SMALL)
 
 
 def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
@@ -183,13 +174,13 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
             else:
                 _draw_correlation(panel, float(fit.correlation[row, column]))
             if row == p - 1:
-                panel.set_xlabel(_axis(fit, column), fontsize=SMALL)
+                panel.set_xlabel(_axis(fit, column), fontsize=style.SMALL)
             if column == 0 and row:
-                panel.set_ylabel(_axis(fit, row), fontsize=SMALL)
-    handles = [line_handle("50 and 90 % by the covariance", PREDICTION)]
+                panel.set_ylabel(_axis(fit, row), fontsize=style.SMALL)
+    handles = [style.line_handle("50 and 90 % by the covariance", style.PREDICTION)]
     if len(fit.minima) > 1:
-        handles.append(marker_handle("other minima", VERMILLION, "x"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=SMALL)
+        handles.append(style.marker_handle("other minima", style.VERMILLION, "x"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=style.SMALL)
 
 
 def _axis(fit: Fit, number: int) -> str:
@@ -218,9 +209,9 @@ def _draw_density(panel: Axes, fit: Fit, number: int, limits: tuple[float, float
         below, above = np.abs(_ends(fit, number, error) - fit.values[number])
         width = np.where(at < fit.values[number], below, above)
         density = np.exp(-(((at - fit.values[number]) / width) ** 2) / 2) * 2 / (below + above)
-        panel.plot(at, density / np.sqrt(2 * np.pi), color=PREDICTION, linewidth=1.2)
+        panel.plot(at, density / np.sqrt(2 * np.pi), color=style.PREDICTION, linewidth=1.2)
     else:
-        panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=SMALL)
+        panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=style.SMALL)
     panel.set(xlim=limits, yticks=[])
     name = dimension(fit.parameters[number], fit.scene)
     has_unit = name != "1" and fit.scene.units
@@ -230,7 +221,7 @@ def _draw_density(panel: Axes, fit: Fit, number: int, limits: tuple[float, float
         f"{fit.values[number]:.4g}{' ' if error_words.startswith('±') else chr(10)}{error_words}"
     )
     words += f" {unit(name, fit.scene.units)}" if has_unit else ""
-    panel.set_title(words, fontsize=SMALL)
+    panel.set_title(words, fontsize=style.SMALL)
 
 
 def _draw_pair(
@@ -247,9 +238,9 @@ def _draw_pair(
         for share in SHARES:  # a normal density in the plane has 1 - exp(-r^2 / 2) within r
             radius = np.sqrt(-2 * np.log(1 - share))
             ellipse = fit.values[chosen][:, None] + radius * circle
-            panel.plot(*ellipse, color=PREDICTION, linewidth=1.2)
-    panel.plot(*fit.values[chosen], "+", color=ink())
-    panel.plot(*fit.minima[1:, chosen].T, "x", color=VERMILLION, markersize=4)
+            panel.plot(*ellipse, color=style.PREDICTION, linewidth=1.2)
+    panel.plot(*fit.values[chosen], "+", color=style.ink())
+    panel.plot(*fit.minima[1:, chosen].T, "x", color=style.VERMILLION, markersize=4)
     panel.set(xlim=limits[0], ylim=limits[1])
 
 

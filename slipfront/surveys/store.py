@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from compare.output.files import write_text
-from compare.output.places import working_folder
+from compare.output.places import working_folder, write_text
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.errors import DataFileError
 from slipfront.surveys.plan import SurveyPlan

@@ -15,7 +15,7 @@ from fem.elements.edge import edge_offset, surface_stiffness
 from fem.elements.families import FAMILIES
 from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
 from fem.results import load_simulation
-from meshes import Blocks, cached_mesh
+from meshes import Blocks, mesh_of
 from semianalytic.reference import antiplane_slip, antiplane_slip_rate
 from tests.fem.runs import SHEARED_ALONG_Z, interrupted, l1, run
 
@@ -34,7 +34,7 @@ def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
 def test_energy_of_uniform_shear(element):
     """mu/2 (u_x^2 + u_y^2) times the area; a shift costs nothing."""
     family = FAMILIES[element]
-    space = make_space(cached_mesh(Blocks(0.25, 2, 3, 4, lower=True)), family)
+    space = make_space(mesh_of(Blocks(0.25, 2, 3, 4, lower=True)), family)
     stiffness = antiplane_stiffness(space, {"upper": SOFT, "lower": UNIT})
     x, y = space.points
     u = 0.3 * x + 0.2 * y

@@ -15,7 +15,7 @@ from fem.elements.families import FAMILIES
 from fem.model import prepare
 from fem.plan import Plan
 from fem.stepping import critical_step, highest_frequency, normalised
-from meshes import Blocks, cached_mesh, causal_blocks
+from meshes import Blocks, causal_blocks, mesh_of
 from semianalytic import solve
 from semianalytic.scene.scene import Material
 from tests.fem.runs import l1
@@ -38,7 +38,7 @@ every_element = pytest.mark.parametrize(
 
 def block(element="Q1", pattern="squares", lower=False):
     blocks = Blocks(size=0.5, left=2, right=4, height=3, lower=lower, pattern=pattern)
-    return make_space(cached_mesh(blocks), FAMILIES[element])
+    return make_space(mesh_of(blocks), FAMILIES[element])
 
 
 def only(material):
@@ -180,7 +180,7 @@ def test_fastest_mode_sits_in_the_outer_corners(element, lower_by):
     """So the critical step is safe, and a step slightly above it may go unnoticed."""
     family, h = FAMILIES[element], 1 / 20
     space = make_space(
-        cached_mesh(causal_blocks(UNIT.longitudinal_speed, 1.0, h * family.spacing)), family
+        mesh_of(causal_blocks(UNIT.longitudinal_speed, 1.0, h * family.spacing)), family
     )
     mass = lumped_mass(space, only(UNIT))
     matrix, _ = normalised(stiffness(space, only(UNIT)), mass)
@@ -278,6 +278,6 @@ def test_edge_node_stays_at_zero_under_shear_alone_and_where_its_place_is_not_kn
     assert Plan(PRELOADED, 1.0, Settings()).edge == 0
     for options in ({"element": "Q2"}, {"element": "P1", "mesh": "triangles"}):
         assert Plan(pressed(), 1.0, Settings(**options)).edge == 0
-    space = make_space(cached_mesh(Blocks(0.5, 2, 2, 2)), Q1)
+    space = make_space(mesh_of(Blocks(0.5, 2, 2, 2)), Q1)
     for side in ("upper_contact", "upper_slot"):
         assert tributary_length(space, side)[1].sum() == pytest.approx(1.0)

@@ -18,7 +18,7 @@ from fem.interface import MeshContact
 from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan
 from fem.settings import Settings
-from meshes import Blocks, cached_mesh
+from meshes import Blocks, mesh_of
 from tests.fem.runs import UNLOADED, l1
 
 
@@ -195,7 +195,7 @@ def remotely_loaded(resolution):
     plan = Plan(scene, end, Settings(resolution=round(end / size)))
     assert plan.name == LOCKSTEP
     assert plan.size == pytest.approx(size, rel=1e-12)
-    mesh = cached_mesh(blocks).translated((plan.edge, 0.0))
+    mesh = mesh_of(blocks).translated((plan.edge, 0.0))
     model = build_model(plan, make_space(mesh, FAMILIES["Q1"]))
     nodes, length = tributary_length(model.space, "upper_top")
     tractions = {0: REMOTE.load.shear / 2, 1: -REMOTE.load.pressure / 2}

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from faults import as_nobody, open_folder
 
-from meshes import Blocks, build_mesh, cached_mesh, causal_blocks, read_mesh, side_nodes
+from meshes import Blocks, causal_blocks, mesh_of, side_nodes
+from meshes.build import build_mesh
 from meshes.cache import cache_path
+from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, SceneError
 
 BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)
+TRIANGLES = replace(BLOCKS, pattern="triangles")
 
 
 def nodes_of(mesh, side):
@@ -27,7 +30,7 @@ def nodes_of(mesh, side):
 @pytest.mark.parametrize("lower", [False, True])
 def test_elements_are_squares_on_the_grid(lower):
     blocks = Blocks(size=0.1, left=4, right=6, height=3, lower=lower)
-    mesh = cached_mesh(blocks)
+    mesh = mesh_of(blocks)
     x, y = mesh.p[:, mesh.t]
     area = (np.roll(y, -1, axis=0) * x - np.roll(x, -1, axis=0) * y).sum(axis=0) / 2
     np.testing.assert_allclose(area, 0.01, rtol=1e-12)  # positive: counter-clockwise
@@ -40,7 +43,7 @@ def test_elements_are_squares_on_the_grid(lower):
 
 def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
     blocks = replace(BLOCKS, pattern="graded", height=12)
-    mesh = cached_mesh(blocks)
+    mesh = mesh_of(blocks)
     rows = np.unique(mesh.p[1, mesh.p[1] >= 0])
     np.testing.assert_allclose(rows, blocks.rows, atol=1e-12)
     heights = np.diff(rows)
@@ -53,7 +56,7 @@ def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
 @pytest.mark.parametrize("lower", [False, True])
 def test_triangles_cover_the_blocks(lower):
     blocks = replace(BLOCKS, pattern="triangles", lower=lower)
-    mesh = cached_mesh(blocks)
+    mesh = mesh_of(blocks)
     assert mesh.t.shape[0] == 3
     (x, y) = mesh.p[:, mesh.t]
     area = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
@@ -92,39 +95,22 @@ def move_an_inner_node(raw):
     raw.points[np.argmin(np.abs(raw.points - [0.0, 0.15, 0.0]).sum(axis=1))] += [0.0, 9.0, 0.0]
 
 
-def fold_a_cell(raw):
-    cells_of(raw, "quad")[0] = cells_of(raw, "quad")[0][[0, 2, 1, 3]]
-
-
 FACES = [(f"upper_{one}", f"lower_{one}") for one in ("slot", "contact")]
-IN_SQUARES = [
+COVER = "do not cover it once|has a boundary besides|belong to no element"
+DAMAGED = [
     (exchange(("upper_slot", "upper_contact")), "upper_slot"),
     (exchange(*FACES), "upper_slot"),
     (repeat("line"), "does not consist of"),
     (lambda raw: raw.cell_sets.pop("lower_bottom"), "lower_bottom"),
-    (repeat("quad"), "do not fill one cell each|belong to no element|not on its grid"),
-    (fold_a_cell, "do not fill one cell each"),
+    (repeat("triangle"), COVER),
+    (move_an_inner_node, COVER),
 ]
 
 
-@pytest.mark.parametrize(
-    ("pattern", "damage", "complaint"),
-    [
-        *(("squares", *one) for one in IN_SQUARES),
-        *(
-            pytest.param(
-                "triangles",
-                damage,
-                "do not cover it once|has a boundary besides",
-                marks=pytest.mark.gmsh,
-            )
-            for damage in (repeat("triangle"), move_an_inner_node)
-        ),
-    ],
-)
-def test_sides_and_cells_are_those_of_the_blocks(pattern, damage, complaint, tmp_path, monkeypatch):
-    blocks = replace(BLOCKS, pattern=pattern)
-    build_mesh(blocks, tmp_path / "blocks.msh")
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("damage", "complaint"), DAMAGED)
+def test_sides_and_cells_are_those_of_the_blocks(damage, complaint, tmp_path, monkeypatch):
+    build_mesh(TRIANGLES, tmp_path / "blocks.msh")
     read = meshio.gmsh.read
 
     def damaged(path):
@@ -134,7 +120,7 @@ def test_sides_and_cells_are_those_of_the_blocks(pattern, damage, complaint, tmp
 
     monkeypatch.setattr(meshio.gmsh, "read", damaged)
     with pytest.raises(DataFileError, match=complaint):
-        read_mesh(tmp_path / "blocks.msh", blocks)
+        read_mesh(tmp_path / "blocks.msh", TRIANGLES)
 
 
 @pytest.mark.parametrize("pattern", ["squares", "graded"])
@@ -151,7 +137,7 @@ def test_free_walls_are_farther_away():
 
 
 def test_faces_match_and_meet_at_the_edge_but_share_no_node():
-    mesh = cached_mesh(BLOCKS)
+    mesh = mesh_of(BLOCKS)
     for face in ("slot", "contact"):
         upper, lower = (nodes_of(mesh, f"{block}_{face}") for block in BLOCKS.names)
         assert not set(upper) & set(lower)
@@ -195,11 +181,12 @@ def test_impossible_blocks_are_refused(changes):
         Blocks(**{"size": 0.1, "left": 4, "right": 6, "height": 3, **changes})
 
 
+@pytest.mark.gmsh
 def test_second_use_builds_nothing(own_cache, monkeypatch):
-    first = cached_mesh(BLOCKS)
+    first = mesh_of(TRIANGLES)
     assert [path.suffix for path in own_cache.iterdir()] == [".msh"]  # no temporary file is left
     monkeypatch.setattr("meshes.cache.write_mesh", None)  # calling it would fail
-    second = cached_mesh(BLOCKS)
+    second = mesh_of(TRIANGLES)
     np.testing.assert_array_equal(first.p, second.p)
 
 
@@ -211,15 +198,15 @@ def test_every_parameter_has_its_own_cache_entry():
         Blocks(0.1, 4, 5, 3),
         Blocks(0.1, 4, 6, 4),
         BLOCKS,
-        replace(BLOCKS, pattern="graded"),
-        replace(BLOCKS, pattern="triangles"),
+        TRIANGLES,
     ]
     assert len({cache_path(blocks) for blocks in variants}) == len(variants)
 
 
+@pytest.mark.gmsh
 def test_building_leaves_ctrl_c_alone(tmp_path):
     before = signal.getsignal(signal.SIGINT)
-    build_mesh(BLOCKS, tmp_path / "blocks.msh")
+    build_mesh(TRIANGLES, tmp_path / "blocks.msh")
     assert signal.getsignal(signal.SIGINT) is before
 
 
@@ -229,7 +216,7 @@ def test_building_leaves_other_signals_alone(tmp_path):
     heard = []
     before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
     try:
-        build_mesh(BLOCKS, tmp_path / "blocks.msh")
+        build_mesh(TRIANGLES, tmp_path / "blocks.msh")
         signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGPIPE)  # which Python ignores
     finally:
@@ -244,7 +231,7 @@ def test_building_leaves_an_open_gmsh_session_alone(tmp_path):
     gmsh.initialize(interruptible=False)
     try:
         gmsh.model.add("theirs")
-        build_mesh(BLOCKS, tmp_path / "blocks.msh")
+        build_mesh(TRIANGLES, tmp_path / "blocks.msh")
         assert gmsh.isInitialized()
         assert gmsh.model.getCurrent() == "theirs"
     finally:
@@ -255,7 +242,7 @@ def test_unusable_cache_is_named(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("not a folder")
     monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "file" / "cache"))
     with pytest.raises(DataFileError, match="SLIPFRONT_CACHE"):
-        cached_mesh(BLOCKS)
+        mesh_of(TRIANGLES)
 
 
 def test_a_cache_that_may_not_be_looked_into_is_named(monkeypatch):
@@ -263,7 +250,7 @@ def test_a_cache_that_may_not_be_looked_into_is_named(monkeypatch):
         (folder / "closed").mkdir(mode=0)
         monkeypatch.setenv("SLIPFRONT_CACHE", str(folder / "closed"))
         with as_nobody(), pytest.raises(DataFileError, match="SLIPFRONT_CACHE"):
-            cached_mesh(BLOCKS)
+            mesh_of(TRIANGLES)
 
 
 def move_a_node(path):
@@ -274,9 +261,9 @@ def move_a_node(path):
     path.write_bytes(data.replace(corner, np.array([0.6, 0.34, 0.0]).tobytes()))
 
 
-def replace_by_triangles(path):
-    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    meshio.write(path, meshio.Mesh(points, [("triangle", [[0, 1, 2]])]), file_format="gmsh")
+def replace_by_a_quad(path):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    meshio.write(path, meshio.Mesh(points, [("quad", [[0, 1, 2, 3]])]), file_format="gmsh")
 
 
 DAMAGES = {
@@ -284,21 +271,22 @@ DAMAGES = {
     "empty": lambda path: path.write_bytes(b""),
     "no mesh": lambda path: path.write_bytes(bytes(range(256)) * 20),
     "a moved node": move_a_node,
-    "triangles": replace_by_triangles,
-    "other blocks": lambda path: build_mesh(replace(BLOCKS, left=6, right=4), path),
+    "a quadrilateral": replace_by_a_quad,
+    "other blocks": lambda path: build_mesh(replace(TRIANGLES, left=6, right=4), path),
 }
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_damaged_file_is_an_error_and_in_the_cache_built_again(damage):
-    intact, path = cached_mesh(BLOCKS), cache_path(BLOCKS)
+    intact, path = mesh_of(TRIANGLES), cache_path(TRIANGLES)
     DAMAGES[damage](path)
     with pytest.raises(DataFileError, match=path.name):
-        read_mesh(path, BLOCKS)
-    np.testing.assert_array_equal(cached_mesh(BLOCKS).p, intact.p)
-    read_mesh(path, BLOCKS)
+        read_mesh(path, TRIANGLES)
+    np.testing.assert_array_equal(mesh_of(TRIANGLES).p, intact.p)
+    read_mesh(path, TRIANGLES)
 
 
 def test_missing_file_is_an_error(tmp_path):
     with pytest.raises(DataFileError, match="does not exist"):
-        read_mesh(tmp_path / "nothing.msh", BLOCKS)
+        read_mesh(tmp_path / "nothing.msh", TRIANGLES)

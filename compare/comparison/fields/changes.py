@@ -62,17 +62,9 @@ def field_changes(
 ) -> tuple[FieldChange, ...]:
     """Return the changes of all components of the last frame, whole and outside the band.
 
-    Parameters
-    ----------
-    last : dict of Pair
-        The last frame beside the prediction, by the name of the component.
-    frames : sequence of Frame
-        Last frames of the simulation and of its coarser meshes, finest first.
-    fronts : Fronts or TwoBodies
-    width : float
-        Width of the band on either side of a front, the same on all meshes [length].
-    predict : callable
-        Returns a frame of a coarser mesh beside the prediction.
+    The last frame stands beside the prediction, by the name of the component; frames are those of
+    the simulation and of its coarser meshes, finest first, which `predict` puts beside the
+    prediction.  The band of a width [length] is on either side of a front, the same on all meshes.
     """
     time = frames[0].time
     steps = [

@@ -96,18 +96,10 @@ def field_errors(
     folder: Path,
     progress: Callable[[int, int], None] | None = None,
 ) -> FieldErrors | None:
-    """Compare all frames of a simulation with a prediction; None if it has no fields in the bodies.
+    """Compare all frames of a simulation in a folder with a prediction; None if it has no fields.
 
-    The last frame is also compared with those of the companions, if they were kept.
-
-    Parameters
-    ----------
-    prediction : Answer
-    simulation : Simulation
-    folder : Path
-        Folder of its snapshots.
-    progress : callable, optional
-        Called with (frame, frames) after each frame.
+    The last frame is also compared with those of the companions, if they were kept; `progress` is
+    called with (frame, frames) after each.
 
     Raises
     ------
@@ -165,13 +157,8 @@ def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:
 
 
 def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, Frame]]:
-    """Element sizes [length] and last frames of the companions of a simulation, finest first, as
-    far as they were kept.
-
-    Raises
-    ------
-    DataFileError
-        If a frame that was kept cannot be read.
+    """Element sizes [length] and last frames, those that were kept, of the companions of a run,
+    finest first.
     """
     from fem.snapshots import companion_folder, index_run
 
@@ -187,16 +174,9 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
 def pair_errors(
     pairs: dict[str, Pair], fronts: Fronts | TwoBodies, time: float, width: float
 ) -> Iterator[FieldError]:
-    """Errors of all components of a frame.
+    """Errors of all components of a frame at a time [time].
 
-    Parameters
-    ----------
-    pairs : dict of Pair
-    fronts : Fronts
-    time : float
-        [time].
-    width : float
-        Width of the band on either side of a front [length].
+    The band of a width [length] is on either side of a front.
     """
     beyond = {
         id(places): fronts.distance(places.x, places.y, time) > width

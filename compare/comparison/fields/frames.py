@@ -116,21 +116,10 @@ class Frame:
 
 
 def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
-    """Read the frame of a time from a file.
+    """Read the frame of a time [time] from a file; DataFileError if it is missing or damaged.
 
-    Parameters
-    ----------
-    time : float
-        [time].
-    path : Path
-    known : Mesh, optional
-        Mesh of an earlier frame, which is used again if this frame has the same.  Areas and
-        centres take almost as long as reading.
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing or damaged.
+    The mesh of an earlier frame is used again if this frame has the same: areas and centres take
+    almost as long as reading.
     """
     with frame_mesh(path) as mesh:
         (block,) = mesh.cells
@@ -169,16 +158,8 @@ def _mesh(points: Array, cells: NDArray[np.integer[Any]], sides: int) -> Mesh:
 def last_frame(folder: Path, run: str | None = None) -> Frame:
     """Read the last frame that the index of a folder of snapshots lists.
 
-    Parameters
-    ----------
-    folder : Path
-    run : str, optional
-        Identity of the simulation that index and frame must belong to; any by default.
-
-    Raises
-    ------
-    DataFileError
-        If the index or the frame is missing, damaged or of another run.
+    Index and frame must belong to a run, any by default; else, or if they are missing or damaged, a
+    DataFileError is raised.
     """
     return read_frame(*listed_frames(folder, run)[-1])
 

@@ -111,13 +111,8 @@ def fronts_between(scene: Scene, edges: Sequence[float] = ()) -> TwoBodies:
     """Return the fronts that a step on the slot sends into two different bodies.
 
     Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
-    of a zone, sends straight fronts into that body.
-
-    Parameters
-    ----------
-    scene : Scene
-    edges : sequence of float
-        Velocities of the ends of its slip zones and openings [length / time].
+    of a zone, sends straight fronts into that body.  Edges are the velocities of the ends of slip
+    zones and openings [length / time].
     """
     bodies, load = scene.bodies, scene.superposition.taken_off
     moving = [edge for edge in edges if 0 < edge < math.inf]
@@ -159,13 +154,8 @@ def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
 def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> Fronts:
     """Return the fronts that jumps of the loads of a scene send out.
 
-    Parameters
-    ----------
-    scene : Scene
-    edges : sequence of float
-        Velocities of the ends of its slip zones and openings [length / time].
-    shortest : float
-        Flanks of loads that are shorter count as jumps [time].
+    Edges are the velocities of the ends of slip zones and openings [length / time]; flanks of loads
+    that are shorter than the shortest count as jumps [time].
     """
     material, load = scene.material, scene.superposition.taken_off
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed

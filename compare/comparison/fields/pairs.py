@@ -38,16 +38,9 @@ class Pair:
 def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     """Return all components of a frame beside the prediction there, by name.
 
-    The whole mesh is compared.  A mesh made for snapshots is so large that nothing comes back from
-    its sides, which fix the displacement that plane waves do not have
-    (`meshes.blocks.causal_blocks`).
-
-    Parameters
-    ----------
-    fields : BodyFields
-    frame : Frame
-    most : int
-        Largest numbers of nodes and of elements that are compared.
+    At most so many nodes and elements are compared, over the whole mesh.  A mesh made for snapshots
+    is so large that nothing comes back from its sides, which fix the displacement that plane waves
+    do not have (`meshes.blocks.causal_blocks`).
     """
     nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
     velocity = fields.velocity(nodes.x, nodes.y, frame.time)

@@ -38,14 +38,7 @@ class FrontWindow:
 def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> FrontWindow:
     """Window around a front that ends half-way to the nearest other front or zone edge.
 
-    Parameters
-    ----------
-    front : float
-        Speed of the front [length / time].
-    others : iterable of float
-        Speeds of the other fronts and of the zone edges [length / time].
-    reach : float
-        Largest half-width as a fraction of the front's speed.
+    All are speeds [length / time]; the reach is its largest half-width over that of the front.
     """
     others = list(others)
     lower = max([(1 - reach) * front, *(0.5 * (front + c) for c in others if c < front)])
@@ -61,14 +54,9 @@ def tabulated(prediction: Waveform, window: FrontWindow) -> Table:
 
 
 def smeared(table: Table, width: float) -> Waveform:
-    """Tabulated waveform after smearing by a Gaussian, as damping does to a front.
+    """Waveform at evenly spaced velocities [length / time] after damping smears it by a Gaussian.
 
-    Parameters
-    ----------
-    table : two (n,) arrays
-        Evenly spaced velocities [length / time] and the waveform there.
-    width : float
-        Standard deviation of the Gaussian [length / time], 0 for none.
+    The width is its standard deviation [length / time], 0 for none.
     """
     velocity, expected = table
     if width > 0:
@@ -78,13 +66,7 @@ def smeared(table: Table, width: float) -> Waveform:
 
 
 def roughness(values: Array, velocity: Array) -> float:
-    """Root mean square of a waveform less its best parabola: how strong a front it holds.
-
-    Parameters
-    ----------
-    values, velocity : (n,) arrays
-        A waveform and the velocities it is sampled at; the result has the units of `values`.
-    """
+    """Root mean square of a waveform less its best parabola: how strong a front it holds."""
     return _rough(values, _trends(velocity))
 
 
@@ -144,12 +126,7 @@ def left_over(
 ) -> tuple[Array, Array]:
     """Velocities in the window [length / time] and what an aligned prediction leaves there, (n,).
 
-    Parameters
-    ----------
-    velocity, values, prediction, window
-        As for `aligned_speed`.
-    speed : float
-        Speed that the alignment found [length / time].
+    The speed is the one that `aligned_speed` found [length / time].
     """
     inside = within(velocity, window.lower, window.upper)
     seen_at = velocity[inside]
@@ -162,16 +139,8 @@ def alignment_bar(
     """How far an aligned front moves [length / time] until it changes the record by its error.
 
     The part of the error that looks like a shift of the front is in the speed, and about as large
-    as the whole.  It moves a weak signal farther than a strong one.
-
-    Parameters
-    ----------
-    velocity, left : (n,) arrays
-        Velocities in the window [length / time], and the error of the record there.
-    prediction, window
-        As for `aligned_speed`.
-    speed : float
-        Speed that the alignment found [length / time].
+    as the whole.  It moves a weak signal farther than a strong one.  The error is what is left at
+    velocities in the window (n,) [length / time], and the speed the one that `aligned_speed` found.
     """
     stretch = speed / window.front
     step = (window.upper - window.lower) / window.front / TRIALS

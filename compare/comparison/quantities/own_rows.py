@@ -33,13 +33,7 @@ SPARSE = "only some steps of the simulation are stored, which do not tell {}; st
 
 
 def check_finite(simulation: Simulation) -> None:
-    """Refuse a simulation with values that are not finite numbers; its coarser meshes count too.
-
-    Raises
-    ------
-    DataFileError
-        The message says which field, where and when.
-    """
+    """Refuse a simulation with values that are not finite numbers; its coarser meshes count too."""
     for run in (simulation, *companions_of(simulation)):
         whose = f"the simulation of resolution {run.resolution}"
         contact, slot, end = run.interface, run.slot, run.interface.t[-1:]
@@ -55,13 +49,7 @@ def fields_of(history: Any, names: Iterable[str]) -> dict[str, Array]:
 
 
 def refuse_unfinite(whose: str, x: Array, t: Array, fields: Mapping[str, Array]) -> None:
-    """Refuse fields, (m, n) at times t (m,) and places x (n,), that are not finite numbers.
-
-    Raises
-    ------
-    DataFileError
-        The message says which field, where and when.
-    """
+    """Refuse fields, (m, n) at times t (m,) and places x (n,), that are not finite numbers."""
     for name, values in fields.items():
         wrong = np.argwhere(~np.isfinite(values))
         if len(wrong):

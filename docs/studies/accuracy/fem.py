@@ -43,13 +43,6 @@ def last_profile(simulation: Simulation) -> Array:
     return _sampled(simulation, -1)
 
 
-def averaged_profile(simulation: Simulation) -> Array:
-    """Return the slip rate averaged over x/t in the last 40 % of the time, at `PROFILE`."""
-    t = simulation.interface.t
-    rows = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
-    return np.mean([_sampled(simulation, row) for row in rows], axis=0)
-
-
 def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str, float]:
     """Return the errors of two profiles at the velocities `PROFILE`: relative L1 errors, and those
     of the averaged one where the exact slip rate of the first and the second zone is largest.
@@ -89,7 +82,10 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
     solution, profiles, rows = solve(find(scene)), [], list[Row]()
     for resolution in resolutions:
         run = simulate(find(scene), resolution=resolution)
-        profiles.append((last_profile(run), averaged_profile(run)))
+        t = run.interface.t
+        latest = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
+        averaged = np.mean([_sampled(run, row) for row in latest], axis=0)
+        profiles.append((last_profile(run), averaged))
         before = rows[-1] if rows else {}
         row = _error_row(scene, f"1/{resolution}", profile_errors(solution, *profiles[-1]), before)
         rows.append({**row, "seconds": run.seconds["steps"]})

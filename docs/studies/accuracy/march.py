@@ -164,13 +164,6 @@ def rate_error(marched: sf.Marched, truth: Answer) -> float:
     return float(np.abs(own.slip_rate[seen] - exact).sum()) / size if size else 0.0
 
 
-def error_scene(kind: str, which: str | int) -> sf.Scene:
-    """Return a named scene, or a random one of a number."""
-    if isinstance(which, str):
-        return sf.find(which)
-    return drawn(SEED, which, random_step_scene if kind == "step" else random_history_scene)[0]
-
-
 def error_points(quick: bool) -> list[Point]:
     """Return the scenes whose marches are judged."""
     shares = range(STEPS // 10 if quick else STEPS), range(HISTORIES // 8 if quick else HISTORIES)
@@ -180,7 +173,8 @@ def error_points(quick: bool) -> list[Point]:
 
 def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Row]:
     """Judge the march of a scene; return no rows if it has none, or if the march is unresolved."""
-    scene = error_scene(kind, which)
+    random = random_step_scene if kind == "step" else random_history_scene
+    scene = sf.find(which) if isinstance(which, str) else drawn(SEED, which, random)[0]
     if isinstance(scene.law, sf.RateWeakening):
         kind = "rate weakening"
     else:

@@ -20,12 +20,12 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from docs.studies.article.kernels import SlipHistory, interface_traction
 from docs.studies.article.prescribed import slipping_half_plane
 from docs.studies.runner import Row
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions, solve
 from semianalytic.halfplane.rayleigh import Mode
-from semianalytic.reference.kernels import SlipHistory, interface_traction
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import REMOTE
 
@@ -104,10 +104,7 @@ def run_cases(resolution: int) -> Cases:
 
 
 def smooth_slip() -> SlipHistory:
-    """Return a pulse of slip, Gaussian in position and time, that reaches the edge of the contact.
-
-    It is meant for a material with c_t = 1, and is over by t = 1.
-    """
+    """Return a Gaussian pulse of slip that reaches the edge, over by t = 1 where c_t = 1."""
     centre, width, moment, duration = 0.25, 0.18, 0.45, 0.12
 
     def rate(x: Array, t: Array) -> Array:
@@ -121,9 +118,8 @@ def smooth_slip() -> SlipHistory:
 
 
 def slot_rows(mode: Mode, element_size: float) -> list[Row]:
-    """Prescribe a smooth slip on x > 0 with free slot faces; return tractions at t = 1 in 3 ways.
-
-    They are simulated, and by both versions of `interface_traction`; the pulse is 0.18 wide.
+    """Prescribe a smooth slip, slot faces free; return tractions at t = 1, simulated and by
+    kernels.
     """
     material, slip = Material(1.0, 1.0, RATIOS["remote"]), smooth_slip()
     motion = slipping_half_plane(
@@ -132,7 +128,7 @@ def slot_rows(mode: Mode, element_size: float) -> list[Row]:
     inside = (motion.x > -1.0) & (motion.x < 1.2) & (np.abs(motion.x) > 0.05)
     x = motion.x[inside]
     free, held = (
-        interface_traction(slip, mode, material, x, 1.0, slot=slot, rtol=1e-4).value
+        interface_traction(slip, mode, material, x, 1.0, slot=slot, rtol=1e-4)
         for slot in ("free", "held")
     )
     columns = {"x": x, "simulated": motion.traction[inside], "free": free, "held": held}

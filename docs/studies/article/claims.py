@@ -67,23 +67,9 @@ def _zones_text(zones: tuple[SlipZone, ...]) -> str:
     )
 
 
-def published_sense_change(chi: float) -> float:
-    """Return the x/(c_t t) at which the published algorithm changes the sense of slip."""
-    slip = published_slip(chi)
-    behind = slip.u > 1.02
-    change = np.flatnonzero(np.diff(np.sign(slip.slip_rate[behind])))[0]
-    return float(1 / slip.u[behind][change])
-
-
 def published_reversal(chi: float) -> float:
     """Return the published algorithm's mean reversed slip rate / V_0 on 0.63 to 0.95 c_t t."""
     return -chi * float(published_slip(chi).at(np.linspace(1.05, 1.6, 100)).mean())
-
-
-def simulated_reversal(case: Case) -> Array:
-    """Return the positions x/(c_t t) of reverse slip at the end of a simulation."""
-    velocity, rate = case.simulated()
-    return velocity[rate < -NOTICEABLE * np.abs(rate).max()]
 
 
 @_claim("3.6.1", "no shear traction ahead of the shear wave", "any")
@@ -210,10 +196,14 @@ def reverse_slip(cases: Cases) -> Verdicts:
 def rayleigh_separates(cases: Cases) -> Verdicts:
     case = cases["auxetic", LOW_FRICTION]
     rayleigh = case.solution.scene.material.rayleigh_speed / SHEAR_SPEED
-    published = published_sense_change(LOW_FRICTION)
+    slip = published_slip(LOW_FRICTION)
+    behind = slip.u > 1.02
+    change = np.flatnonzero(np.diff(np.sign(slip.slip_rate[behind])))[0]
+    published = float(1 / slip.u[behind][change])
     zone = next(z for z in case.solution.zones if z.sense < 0)
     inner, outer = zone.inner / SHEAR_SPEED, zone.outer / SHEAR_SPEED
-    seen = simulated_reversal(case)
+    velocity, rate = case.simulated()
+    seen = velocity[rate < -NOTICEABLE * np.abs(rate).max()]
     extent = f"{seen.min():.3f} to {seen.max():.3f}" if len(seen) else "none"
     return (
         _judge(

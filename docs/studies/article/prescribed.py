@@ -1,7 +1,7 @@
 """A half-plane by finite elements with prescribed tractions or motion on its surface.
 
-It checks Lamb's functions and the two kernels of section 4 independently.  Bilinear squares, lumped
-mass and central differences solve the equation of motion (4.1) without any transform.
+It checks Lamb's functions and the kernels of section 4: bilinear squares, lumped mass and central
+differences solve the equation of motion (4.1) without any transform.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from scipy import sparse
 from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, MeshQuad, asm
 from skfem.helpers import ddot, sym_grad, trace
 
+from docs.studies.article.kernels import SlipHistory
 from semianalytic import Material
 from semianalytic.halfplane.rayleigh import Mode
-from semianalytic.reference.kernels import SlipHistory
 
 Array = NDArray[np.float64]
 _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
@@ -25,10 +25,9 @@ _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMotion:
-    """Surface of the half-plane y > 0 at the end: positions (n,), displacements (2, n), tractions.
+    """Surface of y > 0 at the end: positions (n,), displacements (2, n), and tractions (2, n).
 
-    The traction is that which a prescribed motion requires, 0 where the surface is free: (2, n), of
-    `slipping_half_plane` (n,), sigma_xy in mode II and pressure in mode I.
+    The traction is what a motion requires, of `slipping_half_plane` (n,) sigma_xy or pressure.
     """
 
     x: Array
@@ -47,9 +46,7 @@ def slipping_half_plane(
 ) -> SurfaceMotion:
     """March the upper block with a prescribed motion of its contact face x > 0, slot face free.
 
-    By symmetry, the component that is not prescribed is free of traction everywhere.  The slip is
-    the velocity of the upper face, tangential in mode II, normal in mode I: the one-sided V of the
-    article's (4.1), half of the relative slip rate.
+    The component that is not prescribed is free of traction by symmetry; V is one-sided, (4.1).
     """
     plane = half_plane(material, element_size, half_width, end_time)
     component = 0 if mode == "II" else 1

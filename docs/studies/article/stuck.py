@@ -1,14 +1,10 @@
 """The stuck interface under any load history, (3.20).
 
-A remote load P_0 f(t) makes the stuck pressure P_0 int f'(s) p*((t - s)/x) ds, with the unit
-step's p*(u) of (3.10); likewise shear with q*.  Jumps and straight pieces of f are exact: they
-need p* and its primitive in slowness.  Smooth histories take, on the slowness axis,
-
-    f(0) p*(t/x) + int_a^{t/x} [f(t - v x) - f(0)] dp*/dv dv,
-
-with the inverse square roots of dp*/dv at the wave fronts removed by substitution.  Tractions
-are what the load adds to the base; with base = P_0 f remote, add P_0 f(t) itself (the constant
-of (3.10)).
+A remote load P_0 f(t) makes the stuck pressure P_0 int f'(s) p*((t - s)/x) ds, with p*(u) of
+(3.10); likewise shear with q*.  Jumps and straight pieces of f are exact, from p* and its
+primitive; waves take f(0) p*(t/x) + int_a^{t/x} [f(t - v x) - f(0)] dp*/dv dv, without the roots at
+fronts.  Tractions are what the load adds to the base; with base = P_0 f remote, add P_0 f(t)
+(3.10).
 """
 
 from __future__ import annotations
@@ -25,18 +21,14 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 from semianalytic.halfplane.stuck_histories import superposed
 from semianalytic.halfplane.velocities import square_root_panels
-from semianalytic.scene.errors import SceneError
+from semianalytic.results.places import contact_points
 from semianalytic.scene.loads import LoadHistory, Wave
 from semianalytic.scene.scene import Material
 
 
 @dataclass(frozen=True, eq=False)
 class StuckHistory:
-    """Stuck traction at positions and times [stress], and an estimate of its largest error.
-
-    The error is 0 if there are no waves: everything is then in closed form, up to tables that are
-    exact to rounding.
-    """
+    """Stuck traction at positions and times [stress], and the largest error of its waves."""
 
     value: Array
     error: float
@@ -74,11 +66,7 @@ def _stuck(
     t: ArrayLike,
     mode: Mode,
 ) -> StuckHistory:
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))) or np.any(x <= 0):
-        raise SceneError(
-            "the contact is x > 0; ask for finite positive positions and finite times."
-        )
+    x, t = contact_points(x, t)
     stuck = stuck_traction(material.poisson_ratio, mode)
     per = x / material.shear_speed
     pieces = history.pieces
@@ -102,20 +90,7 @@ def _stuck(
 def stuck_pressure(
     history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
 ) -> StuckHistory:
-    """Return the pressure that a slot load P_0 f(t) adds to a stuck interface, (3.10), (3.20).
-
-    Parameters
-    ----------
-    history : LoadHistory
-    amplitude : P_0 [stress], compression positive.
-    material : Material
-    x, t : positions x > 0 [length] and times [time]; they broadcast.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or a position or time not finite.
-    """
+    """Return the pressure that a slot load P_0 f(t) adds at x > 0 and t, (3.10), (3.20)."""
     return _stuck(history, amplitude, material, x, t, "I")
 
 
@@ -127,21 +102,10 @@ def stuck_shear(
     t: ArrayLike,
     shear_mode: Literal["II", "III"] = "II",
 ) -> StuckHistory:
-    """Return the shear traction that a slot load Q_0 f(t) adds to a stuck interface.
-
-    The equations are (3.14), (3.20).
-
-    Parameters and errors are those of `stuck_pressure`; `shear_mode` is "III" for antiplane shear.
-    """
+    """Return the shear traction that a slot load Q_0 f(t) adds at x > 0 and t, (3.14), (3.20)."""
     return _stuck(history, amplitude, material, x, t, shear_mode)
 
 
 def near_field(intensity: ArrayLike, x: ArrayLike) -> Array:
-    """Return the traction K / sqrt(2 pi x) near the edge, with the remote load f(t) [stress].
-
-    The equation is (3.13).
-
-    The traction that a load on the slot adds (`stuck_pressure`) is smaller by the load itself; the
-    next term is of order sqrt(x).
-    """
+    """Return K / sqrt(2 pi x) near the edge, (3.13): what the load adds, and the load [stress]."""
     return np.asarray(intensity, dtype=float) / np.sqrt(2 * np.pi * np.asarray(x, dtype=float))

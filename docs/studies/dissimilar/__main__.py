@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 
 from compare.figures.style import BLACK, SMALL, STICK_SHADE, outline
 from docs.studies.dissimilar import pairs
+from docs.studies.dissimilar.half_line import half_line_exponent, half_line_speed
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import SceneError, sliding_stability, solve
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.growth import growing_waves
 from semianalytic.dissimilar.thresholds import generalised_rayleigh_speed, growth_threshold
-from semianalytic.dissimilar.whole_line import half_line_exponent, half_line_speed
 from semianalytic.dissimilar_slot.solution import PairSolution
 
 MAPPED, FRICTIONS = (1.02, 4.0), (0.01, 1.25)
@@ -90,10 +90,8 @@ def growth_figure(rows: list[Row]) -> Figure:
         growth
         | {"x": "of", "y": "friction", "value": "largest", "where": {"part": "map"}}
         | {"style": {"norm": LogNorm(_LEAST, _MOST), "cmap": "YlOrRd"}, "ylabel": "friction $f$"}
-        | {
-            "label": "growth per wavelength [%]",
-            "xlabel": "$c_t$ of the faster body over the slower",
-        },
+        | {"xlabel": "$c_t$ of the faster body over the slower"}
+        | {"label": "growth per wavelength [%]"},
         growth
         | {"x": "friction", "y": "growth", "by": ("of",), "where": {"part": "named"}}
         | {"failed": lambda row: row["velocity"] < 0, "title": "crosses: against the slower body"}
@@ -156,16 +154,13 @@ def half_line_row(contrast: float, friction: float, chi: float) -> Row:
 
 def slot_row(scene: str) -> Row:
     """Return the zones of a scene, in x/t over c_t of the upper body, and how sure they are."""
-    answer = solve(pairs.SCENES[scene], rtol=1e-9)
-    return {"scene": scene, "zones": zones_text(answer), "error_estimate": answer.error_estimate}
-
-
-def zones_text(answer: PairSolution) -> str:
-    """Zones from the slot outward, as "open 0 to 0.1, slip + 0.1 to 0.5"."""
+    answer: PairSolution = solve(pairs.SCENES[scene], rtol=1e-9)
+    # from the slot outward, as "open 0 to 0.1, slip + 0.1 to 0.5"
     parts = [(part.inner, part.outer, "open") for part in answer.openings]
     signs = {1: "slip +", -1: "slip −"}
     parts += [(zone.inner, zone.outer, signs[zone.sense]) for zone in answer.zones]
-    return ", ".join(f"{what} {inner:.8g} to {outer:.8g}" for inner, outer, what in sorted(parts))
+    zones = [f"{what} {inner:.8g} to {outer:.8g}" for inner, outer, what in sorted(parts)]
+    return {"scene": scene, "zones": ", ".join(zones), "error_estimate": answer.error_estimate}
 
 
 STUDIES = [

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -62,7 +63,10 @@ def map_rows(part: str, loading: Loading, poisson_ratio: float, chi: Sequence[fl
     try:
         found = [*sweep(scene_of(loading, poisson_ratio, chi[0]), chi, RTOL).solutions]
     except ComputationError:
-        found = [_solved(loading, poisson_ratio, one) for one in chi]
+        found = [None] * len(chi)
+        for i, one in enumerate(chi):
+            with suppress(ComputationError):
+                found[i] = solve(scene_of(loading, poisson_ratio, one), rtol=RTOL)
     rows: list[Row] = []
     for one, solution in zip(chi, found, strict=True):
         row: Row = {"part": part, "loading": loading, "poisson_ratio": poisson_ratio, "chi": one}
@@ -74,13 +78,6 @@ def map_rows(part: str, loading: Loading, poisson_ratio: float, chi: Sequence[fl
             row |= {"regime": name, "zones": zones, "error_estimate": solution.error_estimate}
         rows.append(row)
     return rows
-
-
-def _solved(loading: Loading, poisson_ratio: float, chi: float) -> Solution | None:
-    try:
-        return solve(scene_of(loading, poisson_ratio, chi), rtol=RTOL)
-    except ComputationError:
-        return None
 
 
 def trace(loading: Loading, poisson_ratio: float) -> Row:

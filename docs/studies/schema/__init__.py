@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compare.output.files import write_text
+from compare.output.places import write_text
 from compare.output.tables import write_rows
 from docs.studies.schema.answers import DOCUMENTS
 from docs.studies.schema.vocabulary import DEFINITIONS, TEXT, UNITS, Key, Schema, list_of, object_of

@@ -203,8 +203,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": Key("number of scenes requested", WHOLE),
             "dimensions": Key("lengths of the dimensions", named(WHOLE)),
             "parameters": Key(
-                "varied parameters and their ranges",
-                named(shape("least largest", wholes="count")),
+                "varied parameters and their ranges", named(shape("least largest", wholes="count"))
             ),
             "statuses": Key("number of scenes with each status", named(WHOLE)),
             "methods": Key("number of scenes solved by each method", named(WHOLE)),
@@ -239,7 +238,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                     meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
                     rows=_JUDGED_ROWS,
                 ),
-            ),
+            )
         },
     ),
     "simulate": (

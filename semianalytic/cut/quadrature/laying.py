@@ -46,13 +46,7 @@ def _beside_narrow(widths: Array, rule: Rule) -> float:
 def _fitted_rule(
     factors: RayleighFactors, layout: Layout, ends: Array, widths: Array, rule: Rule
 ) -> Rule:
-    """Return a rule as fine and as long as the singularities near the panels require.
-
-    Slip ahead of the shear front sees a pole at the hidden root. Stick, where fields are only
-    integrated over whole panels, may have it at half the distance. Beside a narrow stick gap around
-    c, dV/dv ~ 1/(v - c) over all scales down to the gap. A pole at c that is not in the middle of
-    its panel has one end nearer than the other.
-    """
+    """Return a rule as fine and long as a hidden root, a narrow gap at c or a pole there needs."""
     strip, further, hidden = 1.0, _beside_narrow(widths, rule), factors.hidden_root
     if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
@@ -89,9 +83,6 @@ def lay_panels(
 
     Parameters
     ----------
-    factors : RayleighFactors
-    zones : tuple of Zone
-    rule : Rule
     sets : tuple of int
         (k, 1) if there are k sets of zones whatever the shape of their edges.
     tail : bool
@@ -129,10 +120,7 @@ def lay_panels(
 
 @dataclass(frozen=True)
 class _Nodes:
-    """Nodes of panels under construction.
-
-    The arrays are v - left, right - v and dv/dy (p, ..., n), and the parts of v (4, p, ..., n).
-    """
+    """v - left, right - v and dv/dy (p, ..., n) and the parts of v (4, p, ..., n), being laid."""
 
     from_left: Array
     from_right: Array
@@ -177,16 +165,13 @@ class _Nodes:
 
 
 def _skews(layout: Layout, ends: Array, rule: Rule) -> Array:
-    """Return rho of the maps, (p, ..., 1): 1 except where a panel slips across c or is unbounded.
-
-    A node grid that straddles c evenly yields principal values by the plain sum.
-    """
+    """Return rho of the maps, (p, ..., 1): 1 unless a panel slips across c or is unbounded."""
     bounded, pole = ends.shape[1] - 1, layout.pole
     skew = np.ones((len(layout.sense), *ends.shape[2:]))
     if len(layout.sense) > bounded:
         skew[-1] = ends[0, -1]
     if pole >= 0:
-        # c lies half a spacing from a node: y(c) = spacing / 2.
+        # Nodes straddle c evenly, y(c) = spacing / 2: the plain sum is then a principal value.
         before = -ends[3, pole] * np.exp(-rule.spacing / 2)
         skew[pole] = before if pole == bounded else ends[3, pole + 1] / before
     return skew

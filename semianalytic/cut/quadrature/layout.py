@@ -135,15 +135,10 @@ class Layout:
         return self.over_c if self.slips_at_c else -1
 
     def begins(self, other: Layout) -> bool:
-        """Return whether the panels of another layout begin with these: all, or those without a
-        tail."""
+        """Return whether the panels of another layout begin with these."""
         count = len(self.sense)
-        return (self.sense, self.zone, self.open, self.ahead) == (
-            other.sense[:count],
-            other.zone[:count],
-            other.open[:count],
-            min(other.ahead, count),
-        )
+        begun = other.sense[:count], other.zone[:count], other.open[:count]
+        return (self.sense, self.zone, self.open, self.ahead) == (*begun, min(other.ahead, count))
 
     @cached_property
     def slipping(self) -> np.ndarray:
@@ -233,8 +228,7 @@ class Layout:
 
     @cached_property
     def closed_regions(self) -> list[list[int]]:
-        """Panels of each stretch of stick and of each closed part of a zone, from the front
-        inward."""
+        """Panels of each stretch of stick and closed part of a zone, from the front inward."""
         parts = self._grouped(zip(self.slipping, self.zone, self.open, strict=True))
         return [part for part in parts if not self.open[part[0]]]
 
@@ -261,10 +255,9 @@ def outline(
 ) -> tuple[list[CutPoints], Layout]:
     """Return the ends and the layout of panels.
 
-    Panels end at zone edges, at the shear front, beside the hidden root, at more `cuts`, where the
-    contact opens and closes, and at intermediate points of panels over a wide range of slowness.
-    Without `tail` the unbounded panel after others is left out.  Panels that are `laid` already
-    have their ends among the cuts, and are not divided again.
+    They end at zone edges, fronts, the hidden root, more `cuts` and both ends of an opening, and on
+    the way over a wide range.  Without `tail` the unbounded panel after others is left out; panels
+    that are `laid` are not divided again.
     """
     ends, stretches = [factors.front_a], []
 
@@ -303,30 +296,16 @@ def outline(
     gap = not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones)
     ahead, roots = min(before_b, len(senses)), _roots(zones, ends, factors.root)
     from_front = factors.root == 1
-    layout = _layout(
-        senses,
-        owners,
-        ahead,
-        0 if from_front else ahead,
-        zones[0].left is None if from_front and zones else slips_at_b and not from_front,
-        slips_at_b,
-        slips_at_c and factors.has_rayleigh_wave,
-        over_c,
-        gap,
-        roots,
-        factors.root_exponent,
-        opens,
-    )
-    return ends, layout
+    at_root = zones[0].left is None if from_front and zones else slips_at_b and not from_front
+    at_fronts = at_root, slips_at_b, slips_at_c and factors.has_rayleigh_wave
+    order = senses, owners, ahead, 0 if from_front else ahead, *at_fronts
+    return ends, _layout(*order, over_c, gap, roots, factors.root_exponent, opens)
 
 
 def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> list[CutPoints]:
-    """Return points that divide an interval behind the shear front over a wide range of slowness.
-
-    Traction and slip grow like powers of slowness there, and the accuracy of a rule is relative to
-    the largest value on a panel. The number of points is determined from the first set.
-    """
+    """Return points (of the first set) that divide a wide interval behind the shear front."""
     ratio = right.first[0] / left.first[0]
+    # A rule is accurate relative to the largest value on a panel, and fields grow like powers.
     # Under a base 1e6 times the step tractions were 1e3 tolerances off in one panel, and one
     # tolerance in eleven; beyond 1e14 the parts grow.
     if left.first[2] < 0 or ratio < 32.0:
@@ -347,11 +326,7 @@ def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[in
 
 
 def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone | None, int]]:
-    """Yield the stretches of slip and stick from the front inward.
-
-    Each is given by its end, its zone (None where the interface sticks), and the index of that zone
-    or, for stick, of the zone that follows.
-    """
+    """Yield the end, the zone (None on stick) and its or the next index of stretches, inward."""
     for index, zone in enumerate(zones):
         if zone.left is not None:
             yield zone.left, None, index
@@ -363,16 +338,12 @@ def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone
 def _roots(
     zones: tuple[Zone, ...], ends: list[CutPoints], root: int
 ) -> tuple[tuple[int, float], ...]:
-    """Return (end, exponent) of X at the zone edges behind the root of M_+.
-
-    The exponent is 1/2 where an edge opens ahead of the Rayleigh front or heals behind it, and -1/2
-    elsewhere (docs/theory.md, "Where the edges are").
-    """
+    """Return (end, exponent) of X at zone edges behind the root of M_+."""
     place = {id(end): index for index, end in enumerate(ends)}
     roots = []
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
-            if edge is not None and edge.first[root] > 0:
+            if edge is not None and edge.first[root] > 0:  # docs/theory.md, "Where the edges are"
                 # Im M changes its sign at c, and with it which of the two kinds of edge is smooth.
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))

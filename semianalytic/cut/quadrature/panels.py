@@ -30,10 +30,7 @@ MANY_NODES = 100
 
 
 class _Piece(NamedTuple):
-    """Nodes (m,) of a panel for which a few points stand, at distances (..., q) from its near end.
-
-    The matrix `onto` (m, q) takes values at the points to the nodes, and weights the other way.
-    """
+    """Points at distances (..., q) from the near end; `onto` (m, q) takes values there to nodes."""
 
     nodes: slice
     distances: Array
@@ -46,14 +43,12 @@ class Panels:
 
     Attributes
     ----------
-    layout : Layout
     left, right : tuple of CutPoints (right None on an unbounded last panel)
     ends : CutPoints of (m, ..., 1), all their ends
     widths : (m - 1, ..., 1) array, distances between consecutive ends
     from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
     at : CutPoints of (p, ..., n)
     skew : (p, ..., 1) array, rho of the maps
-    rule : Rule
     """
 
     layout: Layout
@@ -106,8 +101,7 @@ class Panels:
         return np.einsum("...n,...n,n->...", density, self.jacobian, self.rule.weights)
 
     def panel_of(self, at: CutPoints) -> np.ndarray:
-        """Return the panels (m,) that contain points, for a single set of zones; -1 ahead of
-        all."""
+        """Return the panels (m,) that contain points of one set of zones; -1 ahead of all."""
         return np.searchsorted([left.v[0] for left in self.left], at.v, "right") - 1
 
     def coordinate(self, panel: int, at: CutPoints) -> Array:
@@ -129,10 +123,8 @@ class Panels:
         return CutPoints(left.parts + self.widths[panel] / (1 + skew * np.exp(-y)))
 
     def cauchy(self, pairs: Pairs, weights: Array) -> Array:
-        """Return integrals of weights / (w - v) over the sources of pairs at nodes v of the
-        targets.
-
-        `weights` (r, ..., n) contain the Jacobian; the result is (r, ..., n).
+        """Return integrals of weights / (w - v), with the Jacobian in them, at targets, (r, ...,
+        n).
         """
         source, behind = pairs.source, pairs.behind
         # Distances from the end between source and target add up: no digits are lost.
@@ -157,16 +149,11 @@ class Panels:
             counted = np.flatnonzero(matter[i])
             if not len(counted):
                 continue
-            first = (
-                self.from_right[target, ..., -1:] if i < behind else self.from_left[target, ..., :1]
-            )
-            gap = other[i, ..., :1] - first  # between the near ends of both
-            kept, pieces = self._pieces(sent, gap)
+            rights, lefts = self.from_right[target], self.from_left[target]
+            gap = other[i, ..., :1] - (rights[..., -1:] if i < behind else lefts[..., :1])
+            kept, pieces = self._pieces(sent, gap)  # the gap is between the near ends of both
             kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
-            few = [
-                weights[i, ..., kept],
-                *(weights[i, ..., one.nodes] @ one.onto for one in pieces),
-            ]
+            few = [weights[i, ..., kept], *(weights[i, ..., p.nodes] @ p.onto for p in pieces)]
             away = [own[i, ..., kept], *(one.distances for one in pieces)]
             condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
             self._spread(target, gap, *condensed, other[i], result[i])
@@ -176,11 +163,7 @@ class Panels:
     def _spread(
         self, target: int, gap: Array, weights: Array, own: Array, other: Array, result: Array
     ) -> None:
-        """Write sums of weights / (own + other) over (..., m) to the nodes (..., n) of a target.
-
-        Nodes count from the near end, at distances `other` from that of the source, `gap` (..., 1)
-        beyond it.
-        """
+        """Write sums of weights / (own + other) to nodes (..., n) of a target over a gap."""
         kept, pieces = self._pieces(target, gap)
         to, core = kept, self.rule.core
         if target not in self._long:
@@ -217,9 +200,8 @@ class Panels:
 
     @cached_property
     def _far_halves(self) -> list[tuple[_Piece, Array] | None]:
-        """The far half of each panel as a piece, and the panel's width, or rho of an unbounded one.
-
-        None where the map is skewed, with its nodes elsewhere.
+        """The far half of each panel as a piece, and its width or rho; None where the map is
+        skewed.
         """
         half = self.rule.beside_end(1)
         result: list[tuple[_Piece, Array] | None] = []
@@ -236,10 +218,7 @@ class Panels:
 
     @cached_property
     def _long(self) -> tuple[int, ...]:
-        """Panels on which fields vary out to the end of the rule, not only to its `reach`.
-
-        These are the panels around c and the unbounded one.
-        """
+        """Panels on which fields vary to the end of the rule: around c, and the unbounded one."""
         over_c, last = self.layout.over_c, len(self.right) - 1
         unbounded = [i for i, right in enumerate(self.right) if right is None]
         if over_c < 0:
@@ -251,19 +230,14 @@ class Panels:
         return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
-        """Return the Cauchy integrals at the nodes of the source panels (s,) themselves.
-
-        They are principal values, from the nodes of other parity. For every map of `lay_panels`, w
-        - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
-        """
-        # One matrix of 1 / (2 sinh(dy / 2)) therefore serves all panels.
+        """Return the Cauchy integrals at nodes of the sources (s,), by nodes of other parity."""
+        # w - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2): one matrix serves all panels.
         root = np.sqrt(self.jacobian[sources])
         return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
 
 
 def _summed(weights: Array, own: Array, other: Array) -> Array:
-    """Return sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (...,
-    n)."""
+    """Return sums of weights / (own + other) over `own` (..., m), at `other` (..., n)."""
     m, n = own.shape[-1], other.shape[-1]
     rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
     result = np.empty((len(to), n, 1))

@@ -31,7 +31,6 @@ class Power:
 
     Attributes
     ----------
-    panel : int
     at_left : bool
         Whether the end is the left one.
     exponent, amount : (..., 1) arrays
@@ -56,8 +55,7 @@ class Power:
         return np.asarray(distance / panels.widths[self.panel])
 
     def by_y(self, panels: Panels) -> Array:
-        """Return the density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded
-        panel."""
+        """Return the density times dv/dy at the nodes, (..., n); like v^-3 if unbounded."""
         share = self.share(panels)
         per_share = self._slope(panels, share)
         # ds/dy = s (1 - s) for the map of a panel.
@@ -102,10 +100,7 @@ class Power:
         return self._up_to(panels, self._over_width(panels, np.maximum(distance, 0.0)))
 
     def slope(self, panels: Panels, at: CutPoints) -> Array:
-        """Return the density itself at points (m,) inside the panel (one set of zones).
-
-        It is infinite at an end where the exponent is below 1.
-        """
+        """Return the density at points (m,) inside, infinite at an end of exponent below 1."""
         left, right = panels.left[self.panel], panels.right[self.panel]
         distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
         share = self._over_width(panels, np.maximum(distance, 0.0))
@@ -118,8 +113,7 @@ class Power:
         return np.asarray(per_share * per_v)
 
     def moment_by_y(self, panels: Panels) -> Array:
-        """Return the density times the distance of v from the end, times dv/dy, at the nodes, (...,
-        n)."""
+        """Return the density times distance from the end times dv/dy at nodes, (..., n)."""
         from_end = panels.from_left if self.at_left else -panels.from_right
         return np.asarray(from_end[self.panel] * self.by_y(panels))
 
@@ -174,7 +168,6 @@ class PanelIntegral:
 
     Attributes
     ----------
-    panels : Panels
     density : (p, ..., n) array
         g at the nodes, without its powers.
     c : float
@@ -236,8 +229,7 @@ class PanelIntegral:
         return result
 
     def level_at_c(self, panel: int) -> Array:
-        """Return the integral of g up to c, less residue times ln |v - c|, on the panel that covers
-        c."""
+        """Return the integral of g up to c on its panel, less residue times ln |v - c|."""
         rule, left = self.panels.rule, self.panels.left[panel]
         regular = rule.interpolate_running(np.array([rule.spacing / 2]), self._regular[panel])[0]
         log = -np.log(np.abs(left.from_c))
@@ -296,8 +288,7 @@ class PanelIntegral:
         return np.asarray(density - share * mean)
 
     def __call__(self, panel: int, at: CutPoints) -> Array:
-        """Return the integral of g from the panel's left end to points inside it (one set of
-        zones)."""
+        """Return the integral of g from the left end to points inside a panel of one set."""
         y = self.panels.coordinate(panel, at)
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
         return regular + self._of_pole(panel, at) + self._of_powers(panel, at)
@@ -307,11 +298,7 @@ class PanelIntegral:
         return sum(power.inside(self.panels, at) for power in self.powers_on(panel))
 
     def slope(self, panel: int, at: CutPoints) -> Array:
-        """Return g without its powers at points inside a panel (one set of zones).
-
-        It is accurate to a share of the largest g dv/dy: near ends where that is small, g itself is
-        less accurate.
-        """
+        """Return g without its powers at points inside a panel of one set of zones."""
         left, right, v = self.panels.left[panel], self.panels.right[panel], at.v
         per_y = at.minus(left)
         if right is not None:
@@ -340,8 +327,7 @@ class PanelIntegral:
         return result
 
     def with_mean(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
-        """Return integrals of g, and of v g over v, from the panel's left end to points inside
-        it."""
+        """Return the integrals of g, and of v g over v, from the left end to points inside."""
         y = self.panels.coordinate(panel, at)
         tail = self.tail
         if panel not in self._slopes:

@@ -28,9 +28,15 @@ from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
-from semianalytic.dissimilar_slot.densities.panels import Panel, PanelRule, between_nodes, panels_of
+from semianalytic.dissimilar_slot.densities.panels import (
+    Panel,
+    PanelRule,
+    between_nodes,
+    edge_exponents,
+    panels_of,
+)
 from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
-from semianalytic.dissimilar_slot.densities.zones import MovingZone
+from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
 
@@ -40,14 +46,12 @@ class OnPanel:
 
     Attributes
     ----------
-    panel : Panel
     rows : (r, m, 2) complex array
         The vectors g, one where it slips and two where it is open.
     turned : (r, m, 2) array
         Im g R(-v).
     sources : (n, 2, 2) array
         Psi^T / n_inf at the nodes.
-    entries : Entries
     rates : (m, 2, 2) array
         R(-v).
     poles : tuple of Pole
@@ -74,10 +78,6 @@ class Density:
 
     Attributes
     ----------
-    interface : LoadedBodies
-    glued : Glued
-    zones : tuple of MovingZone
-    parts : tuple of OnPanel
     slopes : tuple of (n, 2) arrays
         dV/dx and dU/dx at the nodes of every panel, times the spacing.
     amplitudes : tuple of (p, 2) arrays
@@ -114,10 +114,7 @@ class Density:
 
     @cached_property
     def smallest_singular_value(self) -> float:
-        """Smallest singular value of the matrix.
-
-        Well below 0.1 the equations do not determine the densities.
-        """
+        """Smallest singular value; well below 0.1 the equations do not determine the densities."""
         if not self.parts:
             return 1.0
         from scipy.linalg import cho_factor, cho_solve
@@ -152,10 +149,7 @@ class Density:
         return np.asarray(total)
 
     def gap_left(self, zone: int) -> float:
-        """Return the integral of U over slowness across an opening that closes.
-
-        It equals the slowness at the end of the opening times the gap over time there.
-        """
+        """Return the integral of U across an opening: its end times the gap over time there."""
         moment = 0.0
         for part, slope, amplitude in self._on_zone(zone):
             # By parts: U is 0 at both ends of the opening, so that int U dv = -int v dU.
@@ -193,9 +187,8 @@ class Density:
         turned = (inverse.imag[:, None] @ on.rates[count:])[:, 0]
         phi = self.slopes[self.parts.index(on)][:, 0] * (panel.weight / panel.jacobian)[:count]
         rate = between_nodes(count) @ phi / panel.weight[count:] / panel.spacing
-        return np.asarray(
-            scale * ((turned * z).sum(axis=1) / (np.pi * v) - inverse[:, 0].real * rate)
-        )
+        slope = (turned * z).sum(axis=1) / (np.pi * v) - inverse[:, 0].real * rate
+        return np.asarray(scale * slope)
 
     def z(self, stretch: Stretch, points: Points) -> Values:
         """Return z(k), (m, 2), at points k = -v off the zones, on a stretch without zone edges."""
@@ -215,11 +208,7 @@ class Density:
         return np.asarray(self.constant - k[:, None] * total)
 
     def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Values:
-        """Return the nodes of a panel less the points, (n, m).
-
-        Each difference is formed from the end of the stretch that is nearer to the point, so that
-        it loses no digits there.
-        """
+        """Return the nodes of a panel less the points, (n, m), from the nearer end."""
         panel = part.panel
         # Without a right end all points are counted from the left one.
         near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
@@ -277,15 +266,19 @@ def density_of(
         amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
         start += part.unknowns
     return Density(
-        interface,
-        glued,
-        tuple(zones),
-        parts,
-        tuple(slopes),
-        tuple(amplitudes),
-        matrix,
-        residual,
+        interface, glued, tuple(zones), parts, tuple(slopes), tuple(amplitudes), matrix, residual
     )
+
+
+def exponents_of(density: Density) -> dict[float, float]:
+    """Return the exponents of the slopes of tractions at all zone edges."""
+    result: dict[float, float] = {}
+    for before, zone, after in neighbours(density.zones):
+        left, right = edge_exponents(density.interface, before, zone, after)
+        result[zone.left] = left
+        if zone.right is not None and right is not None:
+            result[zone.right] = right
+    return result
 
 
 def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
@@ -322,10 +315,7 @@ def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
 def _equations(
     interface: LoadedBodies, target: OnPanel, parts: Sequence[OnPanel], constant: Array
 ) -> tuple[NDArray[np.float64], Array]:
-    """Return the rows of the equations at the points of one panel, and their right-hand sides.
-
-    Each row is divided by the modulus of g and multiplied by omega.
-    """
+    """Return rows at the points of a panel over |g| times omega, and right-hand sides."""
     panel, count = target.panel, target.panel.count
     film = 0.0 if panel.open else interface.resistance
     columns: list[list[Array]] = [[] for _ in target.rows]
@@ -360,13 +350,10 @@ def _equations(
 
 
 def _least_squares(matrix: Array, right: Array) -> Array:
-    """Return the least-squares solution, by normal equations and one step of refinement.
-
-    No singular value is small where the zones have an answer, so that squaring them costs no digit
-    that matters.
-    """
+    """Return the least-squares solution, by normal equations and one step of refinement."""
     from scipy.linalg import cho_factor, cho_solve  # here, for a quick import
 
+    # No singular value is small where the zones have an answer: squares cost no digit.
     normal = matrix.T @ matrix
     try:
         factor = cho_factor(normal)

@@ -12,31 +12,14 @@ from functools import lru_cache
 import numpy as np
 
 from semianalytic.dissimilar.compliance import Body, Compliance, compliance_of
-from semianalytic.dissimilar.phase import (
-    CutPhase,
-    SlipPhase,
-    contact_phase,
-    rayleigh_phases,
-    slip_phase,
-)
+from semianalytic.dissimilar.phase import SlipPhase, contact_phase, rayleigh_phases, slip_phase
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 
 @dataclass(frozen=True)
 class LoadedBodies:
-    """Two half-planes, friction and tractions.
-
-    Attributes
-    ----------
-    compliance : Compliance
-    friction : float
-        f.
-    resistance : float
-        eta, traction of a viscous film per relative slip rate [mu b].
-    base_pressure, base_shear, load_pressure, load_shear : float
-        P_b, Q_b, P_0, Q_0 [stress unit].
-    """
+    """Two half-planes, f, eta of a film per relative slip rate [mu b], and P_b, Q_b, P_0, Q_0."""
 
     compliance: Compliance
     friction: float
@@ -53,10 +36,7 @@ class LoadedBodies:
         return rayleigh_slowness(upper), rayleigh_slowness(lower)
 
     def level(self, sense: int) -> float:
-        """Return s f P_b - Q_b, the value of tau + s f sigma where the interface slips in sense s.
-
-        A viscous film adds eta V to that value.
-        """
+        """Return s f P_b - Q_b, to which tau + s f sigma is equal in sense s without a film."""
         return sense * self.friction * self.base_pressure - self.base_shear
 
     def slip_phase(self, sense: int) -> SlipPhase:
@@ -74,18 +54,13 @@ class LoadedBodies:
         return (free - _contact_phase(self.compliance, sense * self.friction).at(u)) / np.pi
 
     def edge_decay(self, sense: int) -> float:
-        """Return lambda = 1/2 - arctan(s f beta) / pi.
-
-        Slip that reaches the contact edge has V' ~ v^(lambda - 2) there, or v^(-2) if that is
-        larger.
+        """Return lambda = 1/2 - arctan(s f beta) / pi of V' ~ v^(lambda - 2), or v^(-2), at an
+        edge.
         """
         return 0.5 - float(np.arctan(sense * self.friction * self.compliance.dundurs)) / np.pi
 
     def sharp_turns(self, sense: int, opened: bool) -> tuple[float, ...]:
-        """Return the slownesses near which the equations of a zone change fast.
-
-        Hidden zeros of A + s f k D or of A B + k^2 D^2 lie near the cut there.
-        """
+        """Return slownesses where hidden zeros make the equations of a zone change fast."""
         phase = self.slip_phase(sense)
         turns = phase.denominator.sharp_turns
         return turns if opened else tuple(sorted({*turns, *phase.numerator.sharp_turns}))
@@ -108,29 +83,13 @@ def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
     base, load = scene.base, scene.load
     # Without a load nothing moves; the base then serves for a unit that is not 0.
     unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure
-    interface = LoadedBodies(
-        compliance_of(*scene.bodies),
-        scene.coefficient,
-        # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
-        scene.law.viscosity / scene.material.shear_impedance,
-        base.pressure / unit,
-        base.shear / unit,
-        load.pressure / unit,
-        load.shear / unit,
-    )
-    return interface, unit
+    # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
+    resistance = scene.law.viscosity / scene.material.shear_impedance
+    tractions = (part / unit for one in (base, load) for part in (one.pressure, one.shear))
+    compliance = compliance_of(*scene.bodies)
+    return LoadedBodies(compliance, scene.coefficient, resistance, *tractions), unit
 
 
-@lru_cache(maxsize=64)
-def _slip_phase(compliance: Compliance, friction: float, resistance: float) -> SlipPhase:
-    return slip_phase(compliance, friction, resistance)
-
-
-@lru_cache(maxsize=64)
-def _contact_phase(compliance: Compliance, friction: float) -> CutPhase:
-    return contact_phase(compliance, friction)
-
-
-@lru_cache(maxsize=64)
-def _rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
-    return rayleigh_phases(compliance)
+_slip_phase = lru_cache(maxsize=64)(slip_phase)
+_contact_phase = lru_cache(maxsize=64)(contact_phase)
+_rayleigh_phases = lru_cache(maxsize=64)(rayleigh_phases)

@@ -50,10 +50,8 @@ def edge_end(exponent: float, bounded: bool = False) -> End:
 
 
 def front_end(interface: LoadedBodies, v: float) -> End:
-    """Return a cut inside a zone, where densities are bounded.
-
-    At a shear front that both bodies share they vanish like d^(1/2), and the power keeps out
-    d^(-1/2).
+    """Return a cut inside a zone, where densities are bounded; d^(1/2) at a shear front of both
+    bodies.
     """
     one, two = (body.b for body in interface.compliance.bodies)
     # Shear fronts within 3 % of one another count as one.
@@ -63,10 +61,8 @@ def front_end(interface: LoadedBodies, v: float) -> End:
 
 
 def contact_end(interface: LoadedBodies, zone: MovingZone) -> End:
-    """Return the end of a zone at the contact edge, v -> infinity, where omega ~ v^power.
-
-    The density falls at least like v^(-3/2) or v^(lambda - 2), whichever falls more slowly.
-    """
+    """Return the end of a zone at the contact edge, v -> infinity, where omega ~ v^power."""
+    # The density falls like v^(-3/2) or v^(lambda - 2), whichever falls more slowly.
     slowest = -1.5 if zone.open else max(-1.5, interface.edge_decay(zone.sense) - 2)
     power = 1 - 0.35 * (slowest + 1)
     return End(power, -(power + slowest))
@@ -74,21 +70,9 @@ def contact_end(interface: LoadedBodies, zone: MovingZone) -> End:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Nodes on one stretch of a zone.
+    """Nodes (first + i) spacing, i = 0 ... count - 1, on one stretch of a zone of index `zone`.
 
-    Attributes
-    ----------
-    zone : int
-        Index of the zone.
-    sense : int
-    open : bool
-    stretch : Stretch
-    spacing : float
-    first, count : int
-        The nodes are (first + i) spacing, i = 0 ... count - 1.
-    left, right : End
-    fall : float
-        Power of v in omega between ends that are far apart.
+    `fall` is the power of v in omega between ends that are far apart.
     """
 
     zone: int
@@ -165,7 +149,6 @@ class Panel:
         ----------
         masses : (n, f) array
             J dw at the nodes.
-        place : float
         offset : (m,) array
         """
         points, h, nodes = self.points, self.spacing, slice(0, self.count)
@@ -220,10 +203,8 @@ class Panel:
 def _kernel(count: int, spacing: float, bounded: bool) -> Array:
     """Return the Cauchy kernel in the coordinate x times the spacing, (2 n - 1, n).
 
-    The kernel is 1 / (2 sinh((x_j - x_i) / 2)), or 1 / (1 - exp(x_i - x_j)) on a panel without
-    right end.  At a node only the nodes at odd distance count, with twice the weight: the
-    trapezoidal rule of twice the spacing then has the pole half-way between its points, and is as
-    exact as the rule for points half-way between the nodes.
+    At a node only the nodes at odd distance count, twice: the trapezoidal rule of twice the spacing
+    has the pole half-way between its points.
     """
     nodes = np.arange(count)
     steps = nodes - np.concatenate([nodes, nodes[:-1] + 0.5])[:, None]
@@ -252,8 +233,7 @@ class PanelRule:
 def rule_for(tolerance: float) -> PanelRule:
     """Return a rule on which slip rates are right to about a tolerance at every point.
 
-    The sinc series of slip rate is in error by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5:
-    measured on the zones of docs/dissimilar.md, h = 0.4 ... 0.8 and c = 1e-4 ... 1e-10.
+    The sinc series is off by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5 (docs/dissimilar.md).
     """
     return PanelRule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
 
@@ -268,11 +248,11 @@ def panels_of(
 ) -> tuple[Panel, ...]:
     """Return the panels of all zones, in order of slowness."""
     panels = []
-    for index, (before, zone, after) in enumerate(neighbours(zones)):
-        first, last = edge_exponents(interface, before, zone, after)
+    for index, (ahead, zone, behind) in enumerate(neighbours(zones)):
+        first, last = edge_exponents(interface, ahead, zone, behind)
         far = contact_end(interface, zone)
-        left = edge_end(first, zone.open or before is not None)
-        right = far if last is None else edge_end(last, zone.open or after is not None)
+        left = edge_end(first, zone.open or ahead is not None)
+        right = far if last is None else edge_end(last, zone.open or behind is not None)
         cuts = {*interface.compliance.distinct_fronts}
         cuts.update(interface.sharp_turns(zone.sense, zone.open))
         if zone.open and zone.right is None:  # poles lie on panels that end
@@ -281,29 +261,17 @@ def panels_of(
         ends = [zone.left, *inside, zone.right]
         for start, stop in pairwise(ends):
             assert start is not None
-            panels.append(
-                _panel(
-                    (index, zone.sense, zone.open),
-                    Stretch(start, stop),
-                    rule,
-                    (
-                        left if start == zone.left else front_end(interface, start),
-                        right if stop is None or stop == zone.right else front_end(interface, stop),
-                    ),
-                    far.power,
-                )
-            )
+            stretch, h = Stretch(start, stop), rule.spacing
+            first_end = left if start == zone.left else front_end(interface, start)
+            inner = stop is not None and stop != zone.right
+            last_end = front_end(interface, stop) if inner and stop is not None else right
+            # phi falls like exp(-decay |x|), and a panel ends where that is the cut-off.
+            reach = np.log(1 / rule.cutoff)
+            lengths = (reach / first_end.decay + stretch.lead, reach / last_end.decay)
+            before, after = (int(np.ceil(length / h)) for length in lengths)
+            nodes = h, -before, before + after + 1, first_end, last_end, far.power
+            panels.append(Panel(index, zone.sense, zone.open, stretch, *nodes))
     return tuple(panels)
-
-
-def _panel(
-    of: tuple[int, int, bool], stretch: Stretch, rule: PanelRule, ends: tuple[End, End], fall: float
-) -> Panel:
-    reach = np.log(1 / rule.cutoff)
-    # phi falls like exp(-decay |x|), and a panel ends where that is the cut-off.
-    lengths = (reach / ends[0].decay + stretch.lead, reach / ends[1].decay)
-    before, after = (int(np.ceil(length / rule.spacing)) for length in lengths)
-    return Panel(*of, stretch, rule.spacing, -before, before + after + 1, *ends, fall)
 
 
 def edge_exponents(

@@ -28,16 +28,9 @@ from semianalytic.halfplane.rayleigh import Array
 
 @dataclass(frozen=True, eq=False)
 class Pole:
-    """Both kinds of pole at one Rayleigh wave in an opening, on a panel left < v < right.
+    """Both kinds of pole at one Rayleigh wave c in an opening, on a panel left < v < right.
 
-    Attributes
-    ----------
-    glued : Glued
-    slowness : float
-        c.
-    left, right : float
-    direction : (float, float)
-        n, the imaginary part of its second entry.
+    `direction` is n, the imaginary part of its second entry.
     """
 
     glued: Glued

@@ -21,10 +21,9 @@ from semianalytic.dissimilar.table import (
     interval_weights,
     padded,
 )
-from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
-from semianalytic.dissimilar_slot.densities.panels import edge_exponents
+from semianalytic.dissimilar_slot.densities.density import Density, OnPanel, exponents_of
 from semianalytic.dissimilar_slot.densities.poles import Pole
-from semianalytic.dissimilar_slot.densities.zones import edges_of, neighbours
+from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.halfplane.rayleigh import Array
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
@@ -38,16 +37,9 @@ _STEPS = 3
 
 @dataclass(frozen=True, eq=False)
 class ProfilePart:
-    """The profile on one stretch.
+    """Series of the six functions on one stretch, of a zone or -1 where the interface sticks.
 
-    Attributes
-    ----------
-    series : Series
-        Series of the six functions.
-    zone : int
-        Index of the zone; -1 where the interface sticks.
-    poles : tuple of (Pole, (2,) array)
-        Poles that add to the first four functions, with their amplitudes.
+    `poles` and their amplitudes (2,) add to the first four functions.
     """
 
     series: Series
@@ -78,12 +70,7 @@ class ProfilePart:
 
 @dataclass(frozen=True, eq=False)
 class PairProfile:
-    """Fields on the interface over slowness, in the units of the `Scene`.
-
-    Attributes
-    ----------
-    density : Density
-    """
+    """Fields on the interface over slowness, in the units of the `Scene`."""
 
     density: Density
 
@@ -101,10 +88,9 @@ class PairProfile:
                 state[[OPENING, GAP]] = 0.0
             if on is None:
                 state[RATE] = 0.0
-            result.append(
-                self._stuck(slowness, edges, state) if on is None else self._moving(on, state)
-            )
-            state, stop = result[-1].end, result[-1].stretch.right
+            part = self._stuck(slowness, edges, state) if on is None else self._moving(on, state)
+            result.append(part)
+            state, stop = part.end, part.stretch.right
             if stop is None:
                 return tuple(result)
             slowness = stop
@@ -120,9 +106,7 @@ class PairProfile:
         exponents = self._exponents
 
         def reach(end: float) -> float:
-            """Return the reach in x to an end; traction slopes may be like d^(-1/2) at a front."""
-            # At a front of both bodies slopes have the lowest exponent, -1/2; the integrand falls
-            # to e^-28.
+            # At a front of both bodies slopes are like d^(-1/2); the integrand falls to e^-28.
             return 28.0 / (1 + min(-0.5, exponents.get(end, 0.0)))
 
         before, after = stretch.lead + reach(left), 46.0  # x/t down to 1e-20 of the wave speeds
@@ -169,12 +153,7 @@ class PairProfile:
         return ProfilePart(Series(intervals, padded(series)), panel.zone, poles)
 
     def _normal(self, on: OnPanel, intervals: Intervals, start: float) -> Array:
-        """Return the coefficients of sigma on a panel that slips.
-
-        The slope of sigma is known half-way between the nodes.  Towards the contact edge it grows
-        like v^lambda, so that it is interpolated there after division by a power of v that grows a
-        little faster.
-        """
+        """Return the coefficients of sigma on a panel that slips, over a power near the edge."""
         panel, density = on.panel, self.density
         slope = density.normal_slope(on)
         if panel.stretch.right is not None:
@@ -206,9 +185,8 @@ class PairProfile:
             if part.zone >= 0:
                 points = part.series.intervals.points
                 values = np.abs(part.at(points.x, points.v)[function])
-                largest = max(
-                    largest, float((values / points.v if function == GAP else values).max())
-                )
+                over = points.v if function == GAP else 1.0
+                largest = max(largest, float((values / over).max()))
         return largest or 1.0
 
     @cached_property
@@ -233,26 +211,22 @@ class PairProfile:
     @cached_property
     def slipped(self) -> float:
         """Integral of |V| over x/t."""
-        return sum(float(w @ np.abs(f[RATE])) for _, f, w in self._moving_points)
+        return sum(float(w @ np.abs(f[RATE])) for f, w in self._moving_points)
 
     @cached_property
     def dissipated(self) -> float:
         """Integral of traction times V over x/t."""
         interface = self.density.interface
-        parts = zip(self._moving_points, self._open_parts, strict=True)
+        opened = [self.density.zones[part.zone].open for part in self.parts if part.zone >= 0]
         return sum(
             float(w @ ((interface.base_shear + f[SHEAR]) * f[RATE]))
-            for (_, f, w), opened in parts
-            if not opened
+            for (f, w), is_open in zip(self._moving_points, opened, strict=True)
+            if not is_open
         )
 
     @cached_property
-    def _open_parts(self) -> list[bool]:
-        return [self.density.zones[part.zone].open for part in self.parts if part.zone >= 0]
-
-    @cached_property
-    def _moving_points(self) -> list[tuple[Array, Array, Array]]:
-        """Slownesses, functions there and weights of integrals over x/t, for every moving part."""
+    def _moving_points(self) -> list[tuple[Array, Array]]:
+        """Functions at points, and weights of integrals over x/t, for every moving part."""
         result = []
         for part in self.parts:
             if part.zone >= 0:
@@ -261,19 +235,13 @@ class PairProfile:
                 # d(x/t) = dv / v^2 turns integrals over slowness into integrals over velocity.
                 slope = np.asarray(part.stretch.slope(points)) / np.square(points.v)
                 weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
-                result.append((points.v, part.at(points.x, points.v), weights * slope))
+                result.append((part.at(points.x, points.v), weights * slope))
         return result
 
     @cached_property
     def _exponents(self) -> dict[float, float]:
         """Exponents of the slopes of tractions at all zone edges."""
-        result: dict[float, float] = {}
-        for before, zone, after in neighbours(self.density.zones):
-            left, right = edge_exponents(self.density.interface, before, zone, after)
-            result[zone.left] = left
-            if zone.right is not None and right is not None:
-                result[zone.right] = right
-        return result
+        return exponents_of(self.density)
 
     def at(self, u: Array) -> Array:
         """Return the six functions at slownesses u >= 0, (6, n); they are 0 ahead of all waves."""
@@ -290,20 +258,14 @@ class PairProfile:
 
 @lru_cache(maxsize=64)
 def _offsets(between: bool) -> Array:
-    """Return the places of the Chebyshev points of an interval, in steps of the nodes, (POINTS,).
-
-    They are counted from the node, or from the half step after it, where the interval begins.
-    """
+    """Return the Chebyshev points (POINTS,) of an interval from its node or half step, in steps."""
     unit = Intervals(Stretch(1.0, None), 0.0, float(_STEPS), 1).x.ravel()
     return unit - (0.5 if between else 0.0)
 
 
 @lru_cache(maxsize=64)
 def _running(nodes: int, intervals: int, between: bool = False) -> Array:
-    """Return integrals of sinc functions up to the points of all intervals, over the spacing.
-
-    They are (intervals POINTS, n) for the nodes, or (intervals POINTS, n - 1) for the half steps.
-    """
+    """Return integrals of sinc functions, over the spacing, up to all points of intervals."""
     from scipy.special import sici  # here, for a quick import
 
     steps = _apart(nodes - between, intervals, between)
@@ -318,9 +280,6 @@ def _interpolating(nodes: int, intervals: int) -> Array:
 
 
 def _apart(count: int, intervals: int, between: bool) -> Array:
-    """Return the points of all intervals less the nodes or half steps, in steps.
-
-    The first interval begins _STEPS before the first node.
-    """
+    """Return points of intervals, from _STEPS before the first node, less nodes or half steps."""
     places = _STEPS * (np.arange(intervals) - 1)[:, None] + _offsets(between)
     return np.asarray(places.reshape(-1, 1) - np.arange(count))

@@ -14,16 +14,9 @@ from semianalytic.halfplane.rayleigh import Array
 
 @dataclass(frozen=True)
 class MovingZone:
-    """Part of the interface that slips or is open: left < v < right in slowness.
+    """Part that slips or is open, left < v < right in slowness; right None reaches the edge.
 
-    Attributes
-    ----------
-    left : float
-    right : float or None
-        None if the zone reaches the contact edge.
-    sense : int
-        +1 where the upper body slips towards +x; for an opening, the sense of the slip ahead of it.
-    open : bool
+    The sense is +1 where the upper body slips towards +x, of openings that of the slip ahead.
     """
 
     left: float
@@ -67,14 +60,9 @@ def moved(zones: Sequence[MovingZone], edges: Sequence[float]) -> tuple[MovingZo
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Coordinates of edges that serve as unknowns.
+    """Coordinates of edges that serve as unknowns, each with the wave fronts on both its sides.
 
-    The coordinate of an edge is that on the stretch from the edge or wave front before it to the
-    wave front behind it, so that every choice of unknowns keeps the order of the edges.
-
-    Attributes
-    ----------
-    segments : tuple of (float, float or None), the wave fronts on both sides of every edge
+    They are on the stretch from the edge or front before to the front behind, and keep the order.
     """
 
     segments: tuple[tuple[float, float | None], ...]

@@ -16,7 +16,7 @@ from semianalytic.scene.laws.law import Law
 from semianalytic.scene.line.contact import Adhesion, Contact
 from semianalytic.scene.line.fields import check_field
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
-from semianalytic.scene.loading import REMOTE, Tractions
+from semianalytic.scene.loading import REMOTE, WITHOUT_SLOT, Tractions
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
 
@@ -55,7 +55,7 @@ class AlongLine:
         if isinstance(self.load, tuple | InterfaceLoad | FrontLoad):
             return "loads along x"
         # the slot x < 0 beside a contact, or the contact everywhere of loads without a slot
-        if self.contact != (HALF_LINE if self._has_usual_slot else WHOLE_LINE):
+        if self.contact != (WHOLE_LINE if isinstance(self.load, WITHOUT_SLOT) else HALF_LINE):
             return "contacts"
         usuals = {"period": math.inf, "plate_rate": 0.0, "held": math.inf, "rate": 0.0}
         for name, usual in usuals.items():
@@ -64,10 +64,6 @@ class AlongLine:
         return next(
             (f"`{name}`" for name in ("even", "adhesion", "run") if getattr(self, name)), ""
         )
-
-    @property
-    def _has_usual_slot(self) -> bool:
-        raise NotImplementedError
 
     @cached_property
     def loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:

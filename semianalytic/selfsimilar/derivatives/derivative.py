@@ -138,16 +138,13 @@ class Derivative:
         derivative, which is computed on first access.
         """
         fine = self.varied
-        coarse = VariedProfile(
-            self.surroundings.companion.profile,
-            self.surroundings.companion.variation(fine.variation.rates),
-        )
+        companion = self.surroundings.companion
+        coarse = VariedProfile(companion.profile, companion.variation(fine.variation.rates))
         return difference_error(fine, coarse, self._size)
 
     @property
     def _size(self) -> float:
-        """Value of the parameter, by whose own unit `varied` differentiates; if that is 0, 1 or the
-        unit of stress."""
+        """Value of the parameter, over which `varied` counts; if 0, 1 or the unit of stress."""
         tractions = ("base_pressure", "base_shear", "load_pressure", "load_shear", "wave_stress")
         unit = self.stress if self.name in tractions else 1.0
         return abs(parameter(self.scene, self.name)) or unit
@@ -209,10 +206,7 @@ class Derivative:
         return ahead + self.stress * change
 
     def _ahead(self, kind: str, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the derivative of a traction where no wave from the slot has arrived.
-
-        Before the front of the load only the base counts; the front itself is left out.
-        """
+        """Return the derivative of a traction where no wave has arrived; its front is left out."""
         before = float(self.name == f"base_{kind}")
         after = self.stress * getattr(self.varied.variation.rates, f"base_{kind}")
         lag = np.asarray(t, dtype=float) - self.scene.front_slowness * np.asarray(x, dtype=float)
@@ -275,34 +269,20 @@ class Derivative:
         return self._rate_unit * self.varied.edge_slip_rate
 
 
-@dataclass(frozen=True)
-class Known:
-    """Zones of a solution as (inner, outer, sense), and its status."""
-
-    zones: tuple[tuple[float, float, int], ...]
-    status: str
-
-
 def differentiated(
-    scene: Scene,
-    surroundings: Surroundings,
-    stress: float,
-    known: Known,
+    solved: tuple[Scene, Surroundings, float],
+    speeds: tuple[tuple[float, float, int], ...],
+    status: str,
     name: str,
 ) -> Derivative:
-    """Return the derivative of a solved scene with respect to one of its parameters.
+    """Return the derivative of a solved scene with respect to one of `parameters.PARAMETERS`.
 
     Parameters
     ----------
-    scene : Scene
-    surroundings : Surroundings
-        Neighbouring sets of the zones of the solution.
-    stress : float
-        Unit of stress of the surroundings.
-    known : Known
-        Zones and status of the solution.
-    name : str
-        One of `parameters.PARAMETERS`.
+    solved : (Scene, Surroundings, float)
+        The scene, neighbouring sets of the zones of its solution, and their unit of stress.
+    speeds : tuple of (inner, outer, sense)
+        Zones of the solution, whose status is `status`.
 
     Raises
     ------
@@ -311,21 +291,14 @@ def differentiated(
     ComputationError
         If zones on either side of these, however near, have other panels.
     """
+    scene, surroundings, stress = solved
     profile = surroundings.profile
     rates = changes(scene, profile, stress, name)
     varied = VariedProfile(profile, surroundings.variation(rates))
-    status = known.status
     if status == "converged":
         status = border(scene, profile, name) or status
-    return Derivative(
-        scene,
-        name,
-        _zones(scene, varied, known.zones),
-        status,
-        varied,
-        stress,
-        surroundings,
-    )
+    zones = _zones(scene, varied, speeds)
+    return Derivative(scene, name, zones, status, varied, stress, surroundings)
 
 
 def _zones(

@@ -11,8 +11,7 @@ from semianalytic.selfsimilar.derivatives.varied import VariedProfile
 
 
 def edges_of_zones(profile: Profile) -> list[CutPoints]:
-    """Return the edges of the slip zones, from the longitudinal front inward, and of the
-    opening."""
+    """Return the edges of slip zones, from the longitudinal front inward, and of the opening."""
     zones, opened = profile.fields.zones, profile.fields.load.opened
     if opened is not None:
         zones = (*zones, opened.zone)
@@ -26,7 +25,6 @@ def edges_moved(varied: VariedProfile) -> Array:
 
 
 def edge_moved(varied: VariedProfile, edge: CutPoints) -> float:
-    """Return the derivative of the velocity [c_t] of a zone edge or front at which a panel
-    begins."""
+    """Return the derivative of the velocity [c_t] of an edge or front where a panel begins."""
     # The velocity is 1 / v, so that d(1/v) = -dv / v^2.
     return float(-varied.moved(edge)[0] / edge.v[0] ** 2)

@@ -104,13 +104,7 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
 
 
 def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
-    """Return the change of an incident wave or a moving load; None if the parameter leaves it.
-
-    Raises
-    ------
-    SceneError
-        If the load has no such parameter.
-    """
+    """Return the change of a wave or moving load, None if it stays; refuse what it has not."""
     load, material = scene.load, scene.material
     if isinstance(load, IncidentWave):
         own = "wave_stress" if load.velocity is None else "wave_velocity"
@@ -123,14 +117,9 @@ def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
             return None
         slope, slowness = load.derivatives(material, name)
         pressure, shear = slope.pressure / stress, slope.shear / stress
-        return Rates(
-            base_pressure=pressure,
-            base_shear=shear,
-            load_pressure=pressure,
-            load_shear=shear,
-            poisson_ratio=float(name == "poisson_ratio"),
-            slowness=slowness * material.shear_speed,
-        )
+        # of the coefficient, tractions of base and load, far slip, film, ratio and slowness
+        moved = 0.0, pressure, shear, pressure, shear, 0.0, 0.0, float(name == "poisson_ratio")
+        return Rates(*moved, slowness * material.shear_speed)
     if name in OF_FRONT and not (isinstance(load, MovingLoad) and name == "load_speed"):
         raise SceneError(f"derivative: the load of the scene has no {name}.")
     if name == "load_speed":
@@ -140,26 +129,19 @@ def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
 
 
 def border(scene: Scene, profile: Profile, name: str) -> str:
-    """Return a sentence on what changes beside a solution with a parameter; "" if nothing does.
-
-    See docs/derivatives.md, "Where the set of zones changes".
-    """
+    """Return what changes beside a solution with a parameter (docs/derivatives.md), or ""."""
     load = profile.fields.load
-    slowness = load.slowness
     if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
     opens = ("base_pressure", "load_pressure", "poisson_ratio", *OF_FRONT)
     if name in opens and load.load_pressure > 0:
         # The contact opens at the Rayleigh front first, where p* has its minimum.
-        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I", slowness)
+        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I", load.slowness)
         least = stuck.at_rayleigh_front
         if abs(load.base_pressure / load.load_pressure + least) < tuning.AT_BORDER:
             return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
-    if (
-        load.opened is not None
-        and not profile.fields.zones
-        and name in ("base_shear", "load_shear", *OF_FRONT)
-    ):
+    of_shear = name in ("base_shear", "load_shear", *OF_FRONT)
+    if of_shear and load.opened is not None and not profile.fields.zones:
         return "one-sided: with any shear the interface moves where it is open, and slips beside it"
     if load.frictionless:
         return ""
@@ -194,11 +176,10 @@ def starts_at_front(profile: Profile) -> bool:
 
 
 def at_the_front(profile: Profile) -> Profile:
-    """Return a profile with the base exactly at friction if it lacks so little that it does not
-    matter.
+    """Return a profile with the base exactly at friction if it lacks so little that none matters.
 
-    Differences do not resolve the strip that sticks behind the longitudinal front then. Derivatives
-    are those of slip that starts at the front, up to the square of what is lacking.
+    Differences do not resolve the strip that sticks behind the longitudinal front then; derivatives
+    are those of slip from the front, up to the square of what is lacking.
     """
     fields = profile.fields
     zones, load = fields.zones, fields.load

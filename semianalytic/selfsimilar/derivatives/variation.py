@@ -10,7 +10,7 @@ docs/derivatives.md, "Fields".
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,25 +29,12 @@ from semianalytic.selfsimilar.zones.edges import Edges, edges_of
 from semianalytic.selfsimilar.zones.placement import linearised
 from semianalytic.separation.normal import with_opening
 
-_OF_LOAD = (
-    "friction",
-    "base_pressure",
-    "base_shear",
-    "load_pressure",
-    "load_shear",
-    "far_slip_rate",
-    "resistance",
-    "slowness",
-)
+_OF_LOAD = {one.name for one in fields(Rates)} - {"poisson_ratio", "front_excess"}
 """Numbers of a load that a parameter may change."""
 
 
 def _widths(fields: ZoneFields) -> Array:
-    """Return the widths (r, ...) of what lies between the ends of panels, without hidden roots.
-
-    Fields are smooth at the cut beside a hidden root. An edge that lies close to it may cross it,
-    so that a panel that ends there does not limit the step.
-    """
+    """Return widths (r, ...) between ends of panels but hidden roots, which edges may cross."""
     cuts = [cut.first[0] for cut in fields.factors.in_plane.cuts[:-1]]
     panels, kept, before = fields.panels, [], np.zeros(1)
     for width, right in zip(panels.widths[..., 0], panels.right, strict=False):
@@ -60,20 +47,9 @@ def _widths(fields: ZoneFields) -> Array:
 
 @dataclass(frozen=True)
 class Variation:
-    """Derivatives of placed zones and their fields.
+    """Derivatives of placed zones: of load and material, unknowns (e,), and fields at fixed nodes.
 
-    Attributes
-    ----------
-    rates : Rates
-        Derivatives of load and material.
-    unknowns : (e,) array
-        Derivatives of the unknowns of `edges`.
-    nodes : NodeFields
-        Derivatives at fixed nodes.
-    stencil : Stencil or None
-        Stencil by which they were differenced; None if the zones stay.
-    normal : NodeFields or None
-        Derivatives of the normal problem; None if it stays.
+    `stencil` is None if the zones stay, `normal` if the normal problem does.
     """
 
     rates: Rates
@@ -123,15 +99,7 @@ class _Change:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and neighbouring zones on the same nodes.
-
-    Attributes
-    ----------
-    profile : Profile
-        Profile of the zones.
-    finer : Surroundings or None
-        Surroundings of which these are the `companion`.
-    """
+    """Placed zones, and neighbours on the same nodes; `finer` has these as its `companion`."""
 
     profile: Profile
     finer: Surroundings | None = None
@@ -140,8 +108,7 @@ class Surroundings:
     def companion(self) -> Surroundings:
         """Surroundings of the same zones on a coarser rule, with the edges that this rule requires.
 
-        Their derivatives share only the Jacobian with those of the zones, and the Jacobian only
-        affects the direction of differences. Rule, nodes, edges and step differ.
+        Rule, nodes, edges and step differ; the Jacobian is shared and only directs differences.
         """
         (edges, unknowns), fields = self._placed, self._fields
         rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
@@ -186,11 +153,7 @@ class Surroundings:
     def _neighbours(
         self, rates: Rates, moved: Array, points: Array, rule: Rule | None = None
     ) -> list[ZoneFields]:
-        """Return neighbouring zones: as sets of one, or one by one if more than the edges changes.
-
-        They are on the nodes of these zones, or on another rule without the tail behind the last
-        edge.
-        """
+        """Return neighbouring zones, as sets of one or one by one, on these nodes or a rule."""
         (edges, unknowns), fields = self._placed, self._fields
         every, tail = unknowns[:, None] + moved[:, None] * points, rule is None
         fields = replace(fields, rule=rule or self._rule, tail=tail)
@@ -210,8 +173,7 @@ class Surroundings:
         return bool(rates.nonlinear or opened)
 
     def _beside(self, rates: Rates, point: float) -> tuple[RayleighFactors, Load]:
-        """Return factors and load at a changed value of the parameter, with the opening under that
-        load."""
+        """Return factors and load, with its opening, at a changed value of the parameter."""
         factors, load = self._fields.factors, self._fields.load
         own = rayleigh_factors(factors.poisson_ratio + rates.poisson_ratio * point, factors.mode)
         changed = {
@@ -240,8 +202,7 @@ class Surroundings:
         return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
 
     def _step(self, rates: Rates, moved: Array) -> float:
-        """Return the longest step in a direction that changes no panel by much; infinite if none
-        moves."""
+        """Return the longest step in a direction that changes no panel by much, or infinity."""
         step = self._step_of_unknowns(rates, moved)
         for _ in range(8 if step < np.inf else 0):  # a strip of 1e-14 is reached
             change = self._change_of_widths(rates, moved, step)
@@ -251,10 +212,7 @@ class Surroundings:
         return step
 
     def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
-        """Return the largest change of the logarithm of a panel's width by a step in a direction.
-
-        The unknowns do not represent how narrow a zone is, nor the slip ahead of an opening.
-        """
+        """Return the largest change of the log of a panel's width by a step in a direction."""
         beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
         one, other = (_widths(fields) for fields in (beside[0], beside[-1]))
         if len(beside) == 1:
@@ -265,8 +223,7 @@ class Surroundings:
         return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
 
     def _step_of_unknowns(self, rates: Rates, moved: Array) -> float:
-        """Return the longest step in a direction that the unknowns and the parameter itself
-        allow."""
+        """Return the longest step that the unknowns and the parameter itself allow."""
         steps, nu = [np.inf], self._fields.factors.poisson_ratio
         if moved.any():
             steps.append(1 / float(np.abs(moved).max()))
@@ -309,8 +266,7 @@ class Surroundings:
     def _stencil(
         self, rates: Rates, moved: Array, central: tuple[Array, Array] = FOURTH_ORDER
     ) -> Stencil | None:
-        """Return a stencil whose neighbours in a direction have the same panels; None if none
-        moves."""
+        """Return a stencil whose neighbours have the same panels; None if none moves."""
         step = self._step(rates, moved)
         if step == np.inf:
             return None
@@ -325,17 +281,10 @@ class Surroundings:
         )
 
     def variation(self, rates: Rates) -> Variation:
-        """Return the derivatives with respect to a parameter.
+        """Return the derivatives with respect to a parameter that changes load and material by
+        `rates`.
 
-        Parameters
-        ----------
-        rates : Rates
-            Derivatives of load and material with respect to it.
-
-        Raises
-        ------
-        ComputationError
-            If zones on either side of these, however near, have other panels.
+        ComputationError says that zones on either side, however near, have other panels.
         """
         load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         differenced = load is None
@@ -373,10 +322,9 @@ class Surroundings:
         """Return fields with the part of slip at the longitudinal front that a sticking base
         retains.
 
-        Behind the front the traction equals the strength. It jumps by minus the excess, like a term
-        r / (k + a) of T, and the slip rate by the excess over the impedance. A strip that sticks
-        behind the front makes both smooth; its width is of higher order (docs/derivatives.md,
-        "Where the set of zones changes").
+        Behind the front the traction jumps by minus the excess, like r / (k + a) of T, and the slip
+        rate by the excess over the impedance; a strip of width of higher order makes both smooth
+        (docs/derivatives.md, "Where the set of zones changes").
         """
         if not rates.front_excess:
             return fields

@@ -70,15 +70,13 @@ class VariedProfile:
         return np.asarray(growth)
 
     def moved(self, point: CutPoints) -> Array:
-        """Return the derivative of the slowness of a zone edge or front at which a panel begins,
-        (1,)."""
+        """Return the derivative of the slowness of an edge or front where a panel begins, (1,)."""
         starts = [left.first for left in self._panels.left]
         return np.asarray(self._nodes.ends[0, starts.index(point.first)])
 
     @cached_property
     def _rate(self) -> PanelIntegral:
-        """Running integral of the derivative of dV/dv at fixed nodes, and of its powers at fixed
-        shares."""
+        """Running integral of the derivative of dV/dv at fixed nodes, powers at fixed shares."""
         return self._integral(self._nodes.rate / self._panels.jacobian, self._powers)
 
     @cached_property
@@ -95,10 +93,7 @@ class VariedProfile:
 
     @cached_property
     def _moment(self) -> PanelIntegral:
-        """Integral whose moment is the derivative of that of dV/dv at fixed nodes.
-
-        The contribution of the motion of the ends of powers is not included.
-        """
+        """Integral whose moment is the derivative of that of dV/dv, but for ends of powers."""
         panels, rate = self._panels, self.profile.rate_integral
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
         carried = rate.density * velocity
@@ -119,8 +114,7 @@ class VariedProfile:
         return PanelIntegral(self._panels, density, front, powers, tail=tail)
 
     def _slope(self, integral: PanelIntegral, panel: int, at: CutPoints) -> Array:
-        """Return the slope of an integral at points (m,) inside a panel, infinite where it is at
-        the ends."""
+        """Return the slope of an integral at points (m,) inside a panel, infinite at ends."""
         panels, v = self._panels, at.v
         right, rounding, wide = panels.right[panel], 4 * np.finfo(float).eps * v, 0.0
         y = np.where(at.minus(panels.left[panel]) < rounding, -np.inf, panels.coordinate(panel, at))
@@ -182,8 +176,7 @@ class VariedProfile:
         return float(self._nodes.rate_starts[-1] + self._rate.totals[-1])
 
     def _slip(self, i: int, at: CutPoints, start: float | Array) -> Array:
-        """Return the derivative of slip / x inside a panel that slips, from that at its left
-        end."""
+        """Return the derivative of slip / x inside a slipping panel from that at its left."""
         gain, mean = self._rate(i, at), self._moment.with_mean(i, at)[1]
         for power in self.profile.rate_integral.powers_on(i):
             moved = self._nodes.ends[0, power.end_index]
@@ -216,10 +209,7 @@ class VariedProfile:
         return self._piecewise(u, self._far_slip_rate, inside)
 
     def _stuck(self, u: Array, mode: Mode, of_load: bool = True) -> Array:
-        """Return the derivative of p* or q* with what changes the half-plane, or the load's front.
-
-        Without `of_load` they are those of a load that comes at once.
-        """
+        """Return the change of p* or q* with the half-plane and, `of_load`, the load's front."""
         stencil, own = self.variation.stencil, self.profile.fields.factors
         rates = self.variation.rates
         slowness, by_slowness = self.profile.fields.load.slowness, rates.slowness
@@ -276,8 +266,7 @@ class VariedProfile:
         return np.asarray(change)
 
     def traction(self, u: Array) -> Array:
-        """Return the derivative of the shear traction; infinite at edges that open slip slower than
-        c_R."""
+        """Return the derivative of the shear traction, infinite at edges that open below c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
         integral = profile.traction_integral
 
@@ -303,10 +292,7 @@ class VariedProfile:
         return np.asarray(resistance * self._slip_rate_inside(i, at) + by_resistance * rate)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
-        """Return the derivative of the traction that is unbounded at a stuck edge.
-
-        The motion of its start is subtracted.
-        """
+        """Return the derivative of the traction unbounded at a stuck edge, at fixed slowness."""
         profile, nodes = self.profile, self._nodes
         if self._panels.right[panel] is not None:
             return 0.0
@@ -330,8 +316,7 @@ def _carried(slope: Array, velocity: Array) -> Array:
 
 
 def _growth(pair: Array) -> float:
-    """Return the growth of the logarithm of a slope per y, from values at a point and one y
-    inward."""
+    """Return the growth of the log of a slope per y, from a point and one y inward."""
     if not np.all(pair[0] * pair[1] > 0):
         return 0.0
     growth = float(np.log(pair[0] / pair[1]))

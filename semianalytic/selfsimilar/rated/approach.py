@@ -19,10 +19,9 @@ from semianalytic.selfsimilar.zones.estimate import difference
 
 
 def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
-    """Raise SceneError where slip that weakens strength has no solution.
+    """Raise SceneError where slip that weakens strength has no solution; `speed` is c_t.
 
-    This is the case where it would cover c_R, or where strength falls faster with slip rate than
-    radiation can balance. `speed` is c_t.
+    Slip covers c_R, or strength falls faster with slip rate than radiation can balance.
     """
     if not law.law.fall_with_rate:
         return
@@ -92,7 +91,7 @@ def unsettled(last: Profile, law: UnitLaw, speed: float) -> str:
 
 
 def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
-    """Return zones corrected from those of a profile until Coulomb's law holds; None if none do."""
+    """Return zones corrected until Coulomb's law holds, from those of a profile, or None."""
     zones, profile = list(start.fields.zones), start
     for _ in range(12):  # sets of zones tried from one start; more were never needed
         rated = rated_zones(profile, zones, law, tolerance)
@@ -110,8 +109,7 @@ def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) 
 
 
 def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
-    """Return the error estimate of zones from a coarser companion with its own edges and slip
-    rate."""
+    """Return the error estimate from a coarser companion with its own edges and slip rate."""
     coarser = tuning.COARSER_COMPANION * tolerance
     coarse = rated_zones(fine.profile, fine.placement.zones, law, coarser)
     if not coarse.converged:

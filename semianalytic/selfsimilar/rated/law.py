@@ -61,18 +61,7 @@ def unit_law(scene: Scene, stress: float) -> UnitLaw:
 
 @dataclass(frozen=True)
 class SlipRate:
-    """Slip rate of a profile as a function of slowness, independent of the profile.
-
-    Attributes
-    ----------
-    panels : Panels
-    integral : PanelIntegral
-        V from the left end of each panel.
-    starts : (p,) array
-        V at the left ends.
-    ahead : float
-        V(inf).
-    """
+    """V as a function of slowness: at left ends of panels, from there on, and V(inf) ahead."""
 
     panels: Panels
     integral: PanelIntegral
@@ -100,20 +89,7 @@ class SlipRate:
 class RateStep:
     """Strength linearised about V_k, with its term in the new V from the last iterate.
 
-    Attributes
-    ----------
-    law : UnitLaw
-    load : Load
-        Load without strength that depends on slip rate.
-    factors : RayleighFactors
-    rate : SlipRate
-        V_k as a function of slowness.
-    layout : Layout
-        Layout of the panels with which V_k moves.
-    before, density : (p, n) arrays
-        V_k and dV_k/dy at their nodes.
-    last : (p, n) array
-        Last iterate of V.
+    `before`, `density`, `last` (p, n) are V_k, dV_k/dy and that iterate at the nodes of a layout.
     """
 
     law: UnitLaw

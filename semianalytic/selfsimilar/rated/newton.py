@@ -31,17 +31,7 @@ from semianalytic.selfsimilar.zones.placement import Placement, locate_edges, po
 
 @dataclass(frozen=True)
 class Rated:
-    """Zones under strength that depends on slip rate, as the last step of Newton's method left
-    them.
-
-    Attributes
-    ----------
-    placement : Placement
-    profile : Profile
-    moves : tuple of float
-        Largest change of V in each step, over the largest V.
-    converged : bool
-    """
+    """Zones as Newton's method left them, and largest changes of V over the largest V."""
 
     placement: Placement
     profile: Profile
@@ -60,7 +50,6 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
         One set of zones, which may differ from `zones`.
     zones : sequence of Zone
         From the longitudinal front inward.
-    law : UnitLaw
     tolerance : float
         Tolerance of the quadrature rule.
     """
@@ -87,8 +76,9 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             continue
         new = profile.slip_rate_at_nodes
         changes.append(float(np.abs(new - step.before).max()) / largest)
-        # Newton's method has failed once a step is longer than the one before.
-        if not (changes[-1] < np.inf and _shrinks(changes)):
+        # Newton's method has failed once a step is longer than the one before, but for rounding.
+        most_now = max(*changes[-2:-1], tuning.RATE_SETTLED) if changes[1:] else np.inf
+        if not changes[-1] < most_now:
             break
         density = fields.slip_rate_slope * fields.panels.jacobian
         step = replace(step, rate=SlipRate.of(profile), before=new, density=density, last=new)
@@ -101,11 +91,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
 def _iterated(
     step: RateStep, placement: Placement, rule: Rule, most: int
 ) -> tuple[Placement, Profile, int]:
-    """Return edges and fields for one linearisation, with its term in the new V iterated, and how
-    many fields that took.
-
-    The iteration ends once it settles, an edge passes a front, or it has taken `most` fields.
-    """
+    """Return edges, fields and fields used for one linearisation, its new V iterated."""
     factors, mixed, used = step.factors, list[tuple[Array, Array]](), 0
     while used < most:
         fields = ZoneFields(factors, replace(step.load, linearised=step), placement.zones, rule)
@@ -123,17 +109,8 @@ def _iterated(
     return placement, profile, used
 
 
-def _shrinks(changes: Sequence[float]) -> bool:
-    """Return whether the last step of Newton's method is shorter than the one before, or
-    rounding."""
-    return len(changes) < 2 or changes[-1] < max(changes[-2], tuning.RATE_SETTLED)
-
-
 def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
-    """Return the next iterate x of x = g(x) by Anderson's method, from the last pairs (x, g(x)).
-
-    It is the combination with the least residual.
-    """
+    """Return the next iterate of x = g(x) by Anderson's method from the last (x, g(x))."""
     before, after = (
         np.stack([part.ravel() for part in parts]) for parts in zip(*iterates, strict=True)
     )

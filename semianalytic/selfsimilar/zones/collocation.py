@@ -143,19 +143,9 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
 def slip_on_grid(
     poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0], mode: Mode = "II"
 ) -> GridSlip:
-    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0; tau = 0 where it is open.
+    """Solve |tau| <= f p, V (tau -+ f p) = 0 on about `size` nodes; tau = 0 where it is open.
 
-    Parameters
-    ----------
-    poisson_ratio : float
-    load : Load of one scene
-    size : int, number of nodes, about
-    mode : "II", or "III" for antiplane shear
-
-    Raises
-    ------
-    ComputationError
-        If complementary pivoting fails.
+    ComputationError says that complementary pivoting fails.
     """
     grid, far_slip_rate = slip_grid(poisson_ratio, size, mode), float(load.far_slip_rate)
     shear, normal = grid.shear, grid.pressure
@@ -198,16 +188,12 @@ def _slip_beside(
     free = is_open(opening, xi)
     bound = ~free
     # tau = 0 at the free nodes eliminates them (Schur complement).
-    inner = np.linalg.solve(
-        stiffness[np.ix_(free, free)],
-        np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]]),
-    )
+    beyond = np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]])
+    inner = np.linalg.solve(stiffness[np.ix_(free, free)], beyond)
     across = stiffness[np.ix_(bound, free)]
     reduced = stiffness[np.ix_(bound, bound)] - across @ inner[:, :-1]
-    rate = np.zeros(len(xi))
-    rate[bound], pivots = _complementary(
-        stuck[bound] - across @ inner[:, -1], strength[bound], reduced
-    )
+    rate, left = np.zeros(len(xi)), stuck[bound] - across @ inner[:, -1]
+    rate[bound], pivots = _complementary(left, strength[bound], reduced)
     rate[free] = inner[:, -1] - inner[:, :-1] @ rate[bound]
     return rate, pivots
 
@@ -238,17 +224,7 @@ class Complementary:
 def lemke(matrix: Array, q: Array, most_pivots: int | None = None) -> Complementary:
     """Solve w = q + M z, w >= 0, z >= 0, w.z = 0 by complementary pivoting.
 
-    Parameters
-    ----------
-    matrix : (n, n) array
-    q : (n,) array
-    most_pivots : int, optional
-        Give up after this many; 20 n by default.
-
-    Raises
-    ------
-    ComputationError
-        On a ray (no solution on the path) or after `most_pivots`.
+    ComputationError says that the path ends on a ray or takes `most_pivots`, 20 n by default.
     """
     n = len(q)
     if np.all(q >= 0):

@@ -42,10 +42,9 @@ def rearranged(
 def _across_shear_front(
     factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None
 ) -> list[Zone] | None:
-    """Return the zones with edges that ran into the shear front restarted on its other side.
+    """Return the zones with edges that ran into the shear front beyond it; None if none did.
 
-    The new place is short of the Rayleigh front (1/2 c_t in antiplane shear) and of an opening
-    behind. The result is None if no edge is at the front.
+    They keep short of the Rayleigh front (1/2 c_t in antiplane shear) and of an opening behind.
     """
     segment = factors.c - 1 if factors.has_rayleigh_wave else 1.0
     if opening is not None and opening.left is not None and opening.left.from_b[0] > 0:
@@ -73,11 +72,7 @@ def _across_shear_front(
 
 
 def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> list[Zone] | None:
-    """Return the zones with the zone around the opening changed; None if neither change applies.
-
-    If that zone ended near the closing edge, it ends there now. Otherwise, if it began near the
-    opening edge and may turn, it slips in the other sense ahead of the opening.
-    """
+    """Return zones with the one around the opening ended or turned there, or None."""
     result = list(zones)
     for index, zone in enumerate(zones):
         if not _holds(zone, opening):
@@ -107,11 +102,7 @@ def _holds(zone: Zone, opening: Zone) -> bool:
 
 
 def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
-    """Return the zones without those that Newton's method has nearly closed; None if there are
-    none.
-
-    If slip ended with an opening and such a zone was next behind, slip continues to that zone.
-    """
+    """Return zones without nearly closed ones, to whose place held slip goes on; None if none."""
     kept: list[Zone] = []
     for zone in zones:
         left, right = zone.left, zone.right
@@ -124,10 +115,9 @@ def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
 
 
 def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
-    """Return the zones with the two on either side of the narrowest stick gap joined, or None.
+    """Return the zones with those at the narrowest stick gap joined, or None.
 
-    Newton's method closes a gap where the zones have just met. A gap around c stays open, because V
-    has a logarithm there, unless slip meets resistance.
+    A gap around c stays open, where V has a logarithm, unless slip meets resistance.
     """
     gaps = {}
     for i, (outer, inner) in enumerate(pairwise(zones)):
@@ -144,20 +134,7 @@ def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
 
 
 def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) -> list[Zone]:
-    """Return zones without intervals that slip the wrong way, and with intervals that must slip.
-
-    Parameters
-    ----------
-    zones : sequence of Zone
-    violations : list of Violation
-        Violations of Coulomb's law in these zones.
-    load : Load
-
-    Returns
-    -------
-    list of Zone
-        New zones are added only if the present ones are sound.
-    """
+    """Return zones without wrong slip, and with missing slip: new ones if the present are sound."""
     if load.opened is not None:
         return _corrected_beside(load.opened.zone, zones, violations, load)
     wrong_slip = [one for one in violations if one.zone >= 0]
@@ -226,10 +203,7 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
 
 
 def _begins_at(closing: CutPoints, behind: Zone) -> bool:
-    """Return whether slip behind an opening begins where the opening closes.
-
-    It may lie slightly further in, because nodes represent it that way.
-    """
+    """Return whether slip behind an opening begins where it closes, or, by nodes, just behind."""
     if behind.left is None:
         return False
     # On loose rules slip began up to 0.003 of its width behind the closing.
@@ -261,18 +235,16 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
 
 
 def _reaches(outward: CutPoints | None, inward: CutPoints | None) -> bool:
-    """Return whether the first of two points comes up to the other; between nodes rounding
-    decides."""
+    """Return whether a point comes up to another; between nodes rounding decides."""
     return outward is not None and inward is not None and not outward.first_below(inward)
 
 
 def _with_missing_slip(
     zones: list[Zone], violations: list[Violation], load: Load, sound: bool
 ) -> list[Zone]:
-    """Return zones widened where traction exceeds friction beside them, and new ones elsewhere.
+    """Return zones widened where traction exceeds friction beside them, and new ones if sound.
 
-    New ones are added only if the present ones are sound. If the base is critical, the first one
-    starts at the longitudinal front if it slips in the direction of the base.
+    Under a critical base the first starts at the longitudinal front if it slips along the base.
     """
     result = list(zones)
     for one in violations:

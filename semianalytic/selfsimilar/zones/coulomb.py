@@ -46,7 +46,6 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
 
     Parameters
     ----------
-    profile : Profile
     rounding : float
         Excess that rounding explains, on all panels.
     mismatch : () or (k,) array
@@ -70,10 +69,7 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:
-    """Return the sense in which Coulomb's law is violated at the nodes, (p, ..., n); 0 elsewhere.
-
-    It is the sense of V in a zone and of the traction in stick.
-    """
+    """Return the sense of V or traction where the law fails at nodes, (p, ..., n), else 0."""
     stick, wrong = profile.panels.layout.stick, profile.wrong_at_nodes
     misses = np.sign(profile.slip_rate_at_nodes) * (wrong > tolerance)
     misses[stick] = np.sign(profile.traction_at_nodes[stick]) * (wrong[stick] > tolerance)
@@ -158,11 +154,9 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
 def _at_nodes(
     profile: Profile, region: list[int], misses: Array, tolerance: float
 ) -> list[Violation]:
-    """Return the violations at the nodes of a zone or a stretch of stick.
+    """Return the violations at the nodes of a zone or a stretch of stick, from senses (m,).
 
-    `misses` (m,) holds the senses at all these nodes in a row. Two violations that are two nodes
-    apart count as one. If a zone slips the wrong way, and hardly slips at all at the nodes before,
-    the violation begins at the outer end of the zone.
+    Two that are two nodes apart are one; slip that hardly is any before one belongs to it.
     """
     wrong = misses != 0
     if not wrong.any():
@@ -205,10 +199,7 @@ def _at_contact_edge(
 
 
 def _first_edge_zone(profile: Profile, excess: float) -> CutPoints | None:
-    """Return where slip at a stuck contact edge may begin, where traction exceeds strength.
-
-    This place lies beyond all nodes; None if it is too far away to be reached.
-    """
+    """Return where slip at a stuck edge may begin, beyond all nodes; None if out of reach."""
     factors, start = profile.fields.factors, float(profile.panels.left[-1].v[0])
     widest = 4 * min(excess, 0.02)  # under a base 1e6 times the step such a zone ends at 1e12 / c_t
     at = factors.cut(np.geomspace(max(2 * start, 1 / widest), 1e60, 400))
@@ -269,10 +260,7 @@ def excess_intensity(profile: Profile) -> Array:
 
 
 def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
-    """Return the half-width in slowness of the strip around c in which the logarithm reverses V.
-
-    The result is () or (k,); it has a meaning where V falls towards c in the sense of its zone.
-    """
+    """Return the half-width in slowness, () or (k,), where the log at c reverses V."""
     residue = profile.residues(panel)
     level = profile.rate_starts[panel] + profile.rate_integral.level_at_c(panel)
     # V = level + residue ln|v - c| vanishes there; the bounds keep the exponential within double
@@ -290,8 +278,7 @@ class Hidden:
 
 
 def doubtful(profile: Profile) -> np.ndarray:
-    """Return the inner nodes (p, ..., n - 2) beside which the law may fail though it holds at
-    nodes."""
+    """Return inner nodes (p, ..., n - 2) beside which the law may fail though it holds at nodes."""
     value, y = profile.wrong_at_nodes, profile.panels.rule.y
     before, middle, after = value[..., :-2], value[..., 1:-1], value[..., 2:]
     # The parabola through three nodes has its maximum at `top`.

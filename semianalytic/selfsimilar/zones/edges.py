@@ -27,7 +27,6 @@ class Edges:
 
     Attributes
     ----------
-    factors : RayleighFactors
     kinds : tuple of Zone
         Zones from the longitudinal front inward, without their edges.
     open_ends : (bool, bool)
@@ -58,12 +57,7 @@ class Edges:
 
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
-        """Front, width and kind of the segment of each edge.
-
-        The first array is the front at which the segment starts less every front (4, e), the second
-        the width of the segment (1 beyond c), the third 1 where it is bounded (0 beyond c); (...,
-        k) in a family of k Poisson ratios.
-        """
+        """Front less every front (4, e), width, and 1 if bounded, of each edge's segment."""
         a, c = per_set(self.factors.a), per_set(self.factors.c)
         fronts = np.zeros((4, *np.shape(a)))
         fronts[1], fronts[2], fronts[3] = a, 1.0, c
@@ -104,8 +98,7 @@ class Edges:
         return _closing_gaps(self.segments, self.open_ends[0])
 
     def points(self, unknowns: Array) -> list[CutPoints]:
-        """Return the edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k,
-        1)."""
+        """Return the edges in slowness, (1,) or (k, 1) for `unknowns` (e,) or (e, k)."""
         parts = self.parts(unknowns)[..., None]
         points = [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
         for edge, side in enumerate(self.sides):
@@ -134,10 +127,7 @@ class Edges:
         )
 
     def admits(self, unknowns: Array) -> np.ndarray:
-        """Return whether edges are in order, zones have a width, and none is at an end of the cut.
-
-        The result is () or (k,).
-        """
+        """Return whether edges are in order, zones wide, none at an end of the cut, () or (k,)."""
         near = np.abs(unknowns).max(axis=0) < tuning.FARTHEST
         opens = self.open_ends[0]
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
@@ -168,11 +158,7 @@ class Edges:
         return keeps
 
     def nudges(self, unknowns: Array) -> Array:
-        """Return the changes of the unknowns, (e,) or (e, k), for differencing the mismatch.
-
-        A narrow stick gap is the difference of two distances from a front, so that a nudge must
-        change it by more than their rounding.
-        """
+        """Return changes of unknowns, (e,) or (e, k), for differences beyond rounding of gaps."""
         result = np.full(unknowns.shape, tuning.NUDGE)
         points = self.points(unknowns)
         for edge in np.flatnonzero(self._gaps):
@@ -191,13 +177,11 @@ class Edges:
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """Return the mismatch of the conditions at the edges, (e,) or (e, k) like `unknowns`."""
         # Without the tail behind the last edge, which does not enter the conditions.
-        return self.left_by(
-            ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns
-        )
+        fields = ZoneFields(self.factors, load, self.zones(unknowns), rule, False)
+        return self.left_by(fields, unknowns)
 
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
-        """Return the mismatch of fields with these edges; for a held edge, its distance from its
-        place."""
+        """Return the mismatch of fields with these edges; of a held one, its distance."""
         result = fields.mismatch()
         # Without a free edge the mismatch is the same for all columns of unknowns.
         if result.ndim < unknowns.ndim:
@@ -248,10 +232,7 @@ def _far_front(segment: int) -> int:
 
 
 def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
-    """Return for each edge whether it closes a stick gap that lies within its segment.
-
-    `opens`: the first zone starts ahead of all waves, so that the first edge ends it.
-    """
+    """Return whether each edge closes a gap in its segment; `opens`: the first ends a zone."""
     return tuple(
         edge > 0 and (edge % 2 == 0) != opens and segments[edge] == segments[edge - 1]
         for edge in range(len(segments))

@@ -37,8 +37,7 @@ def narrowness(edges: Edges, unknowns: Array) -> float:
 
 
 def _width_ahead(edges: Edges, unknowns: Array) -> Array:
-    """Return the width in slowness from the edge of slip to the opening it begins ahead of, () or
-    (k,)."""
+    """Return the width from the edge of slip to the opening behind it, () or (k,)."""
     assert edges.opening is not None
     assert edges.opening.left is not None
     point = edges.points(unknowns)[_edge_ahead(edges)]
@@ -60,10 +59,8 @@ def numerical_error(
 
     Parameters
     ----------
-    placement : Placement
     fields : ZoneFields
         Fields of the placement on the rule of the tolerance.
-    tolerance : float
     left : float
         Shift that another step would cause.
     """
@@ -83,11 +80,9 @@ def numerical_error(
 
 
 def _share_of_film(fine: ZoneFields, coarse: ZoneFields) -> float:
-    """Return the largest difference of traction between two rules where a film that opens is
-    closed.
+    """Return the largest difference of traction between two rules under a film that opens.
 
-    It is relative to the traction of the film plus the largest load.  Between nodes a strong film
-    is resolved much worse than at them, since its slip rate falls within a small part of a zone.
+    It is over traction plus load; strong films are resolved worse between nodes than at them.
     """
     resistance, load, layout = fine.load.resistance, fine.load, fine.layout
     if resistance is None or load.opened is None or np.ndim(resistance) != 0:
@@ -106,11 +101,7 @@ def _share_of_film(fine: ZoneFields, coarse: ZoneFields) -> float:
 
 
 def _share_of_power(fine: ZoneFields, coarse: ZoneFields) -> float:
-    """Return the relative difference of frictional power between two rules where slip covers c.
-
-    There the slip rate is infinite.  Where pressure nearly vanishes there as well, power is a small
-    part of what either would make alone.
-    """
+    """Return the relative difference of power between two rules where slip covers c."""
     if fine.layout.pole < 0 or fine.load.resists_rate or fine.load.frictionless:
         return 0.0
     profiles = [Profile(one) for one in (fine, coarse)]
@@ -188,7 +179,6 @@ def difference(
 
     Parameters
     ----------
-    edges : Edges
     unknowns, moved : (e,) or (e, k) arrays
         Edges that are right on the fine and on the coarse rule.
     fine, coarse : ZoneFields
@@ -225,11 +215,7 @@ def difference(
 
 
 def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
-    """Return the difference of stress intensity between two rules at a stuck contact edge, () or
-    (k,).
-
-    It is relative to the intensity plus a small part of what friction holds there.
-    """
+    """Return the difference of intensity at a stuck edge over it plus some friction, () or (k,)."""
     if fine.layout.sense[-1]:
         return np.zeros(())
     known, other = fine.stick_transform_at_edge, coarse.stick_transform_at_edge
@@ -238,11 +224,7 @@ def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
 
 
 def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
-    """Return the relative change of frictional work ahead of an opening with the edge of slip
-    there.
-
-    Pressure and slip rate rise with the distance from that edge; () or (k,).
-    """
+    """Return the relative change of work ahead of an opening with the edge there, () or (k,)."""
     worst = np.zeros(unknowns.shape[1:])
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return worst
@@ -271,10 +253,7 @@ def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields)
 def _share_of_width(
     edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields, peaks: Array
 ) -> Array:
-    """Return the change of slip rates with the width of zones that end on both sides, () or (k,).
-
-    `peaks` (p, ...) are the largest slip rates in panels.
-    """
+    """Return changes of slip rates, at most `peaks` (p, ...), with widths of zones, () or (k,)."""
     v = edges.parts(unknowns)[0]
     change, slipping = np.abs(edges.parts(moved)[0] - v), fields.layout.slipping
     worst, edge = np.zeros(unknowns.shape[1:]), 0

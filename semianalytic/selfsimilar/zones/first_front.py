@@ -20,8 +20,7 @@ from semianalytic.selfsimilar.zones import tuning
 
 
 def behind_front(factors: RayleighFactors) -> CutPoints:
-    """Return points from the longitudinal to the shear front, even in the logarithm of their
-    distance."""
+    """Return points from the longitudinal to the shear front, even in the log of distance."""
     nearest, farthest = np.log(1e-16), np.log(1 - factors.a)
     return factors.beside("a", np.exp(np.arange(nearest, farthest, tuning.FRONT_STEP)))
 

@@ -21,16 +21,7 @@ from semianalytic.selfsimilar.zones.weak_friction import weak_friction_zones
 
 @dataclass(frozen=True)
 class Guess:
-    """Zones to begin with, from the longitudinal front inward.
-
-    Attributes
-    ----------
-    zones : sequence of Zone
-    pivots : int
-        Pivots of the complementarity problem that were needed.
-    doubtful : bool
-        Whether guesses on a coarser grid have failed before.
-    """
+    """Zones to begin with, pivots they took, and whether a coarser grid has failed."""
 
     zones: Sequence[Zone]
     pivots: int = 0
@@ -38,8 +29,7 @@ class Guess:
 
 
 def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
-    """Yield the zones of weak friction where it is weak, then those seen on finer and finer
-    grids."""
+    """Yield the zones of weak friction, if it is, then those on finer and finer grids."""
     if load.frictionless:
         # Without friction the whole interface slips; its sense is free, +1 by convention.
         yield Guess((Zone(None, None, 1),))
@@ -161,11 +151,8 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     rate = grid.slip_rate.copy()
     rate[free] = np.abs(rate[free]) * (ahead or beside or 1.0)
     zones = zones_on_grid(factors, replace(grid, slip_rate=rate), load)
-    index = next(
-        i
-        for i, zone in enumerate(zones)
-        if zone.right is None or zone.right.v[0] * grid.xi[first] > 1
-    )
+    ends = [None if zone.right is None else zone.right.v[0] for zone in zones]
+    index = next(i for i, end in enumerate(ends) if end is None or end * grid.xi[first] > 1)
     held = zones[index]
     if opening.right is None:
         held = replace(held, right=None)
@@ -188,13 +175,10 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
 def _zone_around_narrow_opening(
     factors: RayleighFactors, load: Load, opened: Opened
 ) -> Zone | None:
-    """Return the zone of slip around an opening at the contact edge that no grid resolves, or None.
+    """Return the zone around an opening at the edge that no grid resolves, or None.
 
-    Under a base much larger than the step, the opening and the slip around it end close to the
-    edge, where traction rises like the inverse root of the distance.  Slip begins about where the
-    traction of a stuck interface exceeds the strength that the opening leaves.  Its sense is that
-    of the traction at the opening, which may be opposite to that of the base.  A grid shows only
-    the sense of the base, which is released in the opening.
+    Slip begins about where the traction of a stuck interface exceeds the strength that is left, in
+    the sense of the traction at the opening, which may be opposite to that of the base.
     """
     # Within 0.02 c_t of the contact edge slip is sought without a grid: with grids alone 4 of 60
     # random openings fail, and work is 2.7 times as much.
@@ -215,10 +199,7 @@ def _zone_around_narrow_opening(
 def _around(
     factors: RayleighFactors, zone: Zone, opening: Zone, xi: Array, nodes: tuple[int, int]
 ) -> Zone:
-    """Return a zone whose edges stay on their sides of the opening that it holds.
-
-    `nodes` are the last and the first node of the grid that are open.
-    """
+    """Return a zone with edges on their sides of its opening, open from node to node of a grid."""
     # Place of an edge that a grid puts within an opening, from there to the next node.
     share, (last, first) = 0.3, nodes
     assert opening.left is not None

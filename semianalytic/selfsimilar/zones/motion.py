@@ -67,11 +67,7 @@ class OpenZone:
 
 
 def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
-    """Return the zones of slip in contact, in velocity [length / time], from the contact edge
-    outward.
-
-    Without friction they are divided by the sense of slip.
-    """
+    """Return zones of slip in contact [length / time], by sense if without friction."""
     fields = profile.fields
     opening = fields.load.opened.zone if fields.load.opened else None
     if fields.load.frictionless:
@@ -111,8 +107,7 @@ def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Return the zones of a frictionless interface, which slips in either sense behind the first
-    front."""
+    """Return the zones of a frictionless interface, of either sense behind the first front."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
@@ -160,10 +155,9 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
 
 def _points_in_opening(profile: Profile) -> CutPoints:
-    """Return points in the opening in order of slowness: nodes of its panels, and more near c.
+    """Return points in the opening by slowness: nodes of its panels, and more near c.
 
-    Where the slip rate is a power beside an end, points that only rounding separates from the end
-    are left out.
+    Beside powers of slip rate those that only rounding separates from an end are left out.
     """
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)
@@ -174,9 +168,8 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     parts = [panels.at.parts[:, open_panels][:, off_ends]]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
-        near = np.exp(
-            np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E)
-        )
+        logs = np.log(tuning.NEAREST_TO_C), np.log(reach)
+        near = np.exp(np.arange(*logs, 1 / tuning.POINTS_PER_E))
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
         # V has a logarithm at c where the contact is open: its sense may change very close to c.
@@ -197,15 +190,7 @@ def is_open(openings: Iterable[OpenZone], x: ArrayLike, t: ArrayLike) -> NDArray
 def over_slowness(
     shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
 ) -> Array:
-    """Evaluate a field over slowness, (m,) or several (k, m), at positions and times.
-
-    It is 0 before t = 0.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or x or t is not finite.
-    """
+    """Evaluate a field over slowness, (m,) or (k, m), at x > 0 and t; it is 0 before t = 0."""
     x, t = contact_points(x, t)
     # Fields are functions of u = t / x, here in units b = 1 / c_t = 1.
     u = (t * shear_speed / x).ravel()

@@ -18,18 +18,7 @@ from semianalytic.selfsimilar.zones.edges import Edges, broyden, edge_shift, edg
 
 @dataclass(frozen=True)
 class Placement:
-    """Positions at which Newton's method has put the edges of zones.
-
-    Attributes
-    ----------
-    edges : Edges
-    unknowns : (e,) array
-    inverse : (e, e) array
-        Inverse Jacobian of the mismatch.
-    converged : bool
-    steps : int
-        Number of steps that were taken.
-    """
+    """Positions (e,) of edges by Newton's method, the inverse Jacobian (e, e), steps taken."""
 
     edges: Edges
     unknowns: Array
@@ -70,7 +59,6 @@ def locate_edges(
         Quadrature rule of the mismatch.
     tolerance : float
         The steps end once the next one would shift the edges by less than this [c_t].
-    most_steps : int
 
     Returns
     -------
@@ -129,12 +117,7 @@ def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[A
 
 
 def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
-    """Return which edges (e,) are so close to the longitudinal front that the mismatch follows a
-    root.
-
-    Behind the front the pressure falls like the root of the distance, and the traction rises like
-    its cube.
-    """
+    """Return which edges (e,) are so close to the longitudinal front that a root counts."""
     if not load.load_pressure:
         return np.zeros(len(unknowns), dtype=bool)
     # A strip of 1e-18 is found in three steps by the root of its width, in twenty by its logarithm.
@@ -143,11 +126,7 @@ def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
 
 
 def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
-    """Return unknowns after a move by a linear model.
-
-    For `rooted` edges the model is linear in the root of their distance from the front; the unknown
-    is twice the logarithm of this root.
-    """
+    """Return unknowns after a move by a linear model, `rooted` ones by that of a root."""
     moved = unknowns + move
     # The root must remain positive, so that its relative decrease is bounded.
     bend = np.maximum(move[rooted] / 2, 1e-3 - 1)
@@ -156,8 +135,7 @@ def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
 
 
 def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
-    """Return (e,) the ratio by which an unknown changes faster with the mismatch at its new
-    place."""
+    """Return (e,) how much faster an unknown changes with the mismatch at its new place."""
     # d(unknown) = 2 d(root) / root, and the root changes by exp((moved - unknowns) / 2).
     return np.where(rooted, np.exp((unknowns - moved) / 2), 1.0)
 
@@ -165,10 +143,7 @@ def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
 def _damped(
     edges: Edges, unknowns: Array, move: Array, inverse: Array, load: Load, rule: Rule
 ) -> Array | None:
-    """Return unknowns after a move or a fraction of it; None if no fraction is accepted.
-
-    The edges must stay in order, and a long move must lead to a shorter one.
-    """
+    """Return unknowns after an admitted share of a move; a long one must shorten the next."""
     largest, rooted = float(np.abs(move).max()), _rooted(edges, unknowns, load)
     cautious = largest > 1.0  # longer moves are checked for natural monotonicity
     longest = float(np.abs(move[~rooted]).max(initial=0.0))
@@ -188,21 +163,7 @@ def _damped(
 def polish_edges(
     placement: Placement, fields: ZoneFields, rule: Rule, target: float
 ) -> tuple[Placement, ZoneFields, float]:
-    """Improve edges by Broyden steps on a rule.
-
-    Parameters
-    ----------
-    placement : Placement
-    fields : ZoneFields
-        Fields of the placement, on any rule.
-    rule : Rule
-    target : float
-        The steps end once the next one would shift the edges by less than this [c_t].
-
-    Returns
-    -------
-    Placement with the steps of this call, its fields on the rule, and the shift that is left
-    """
+    """Improve edges by Broyden steps on a rule until the next shift is below `target` [c_t]."""
     edges, unknowns, inverse = placement.edges, placement.unknowns, placement.inverse
     factors, load, new_rule = edges.factors, fields.load, fields.rule is not rule
     if not len(unknowns):

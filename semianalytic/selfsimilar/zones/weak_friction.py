@@ -74,11 +74,7 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
 
 
 def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
-    """Return the zones for friction that is weak compared with the step of shear traction.
-
-    The result is None if friction is not weak, or if gaps would be wide or ahead of the shear
-    front.
-    """
+    """Return the zones of friction weak against the step; None if not, or by wide gaps."""
     friction, far = float(load.friction), float(load.far_slip_rate)
     strongest = friction * max(load.base_pressure, load.load_pressure)
     if not strongest < tuning.WEAK_FRICTION * abs(load.load_shear):
@@ -107,8 +103,8 @@ def _gaps(
 ) -> list[tuple[CutPoints, CutPoints, int]]:
     """Return stick gaps where V changes sense, each with the sense of the zone ahead of it.
 
-    If they are too wide for the strip around c that slips backward, they join to a single gap,
-    which is twice as wide as the strip would be (docs/solver.md, "Weak friction and thresholds").
+    Gaps too wide for the strip around c are one, twice as wide (docs/solver.md, "Weak friction and
+    thresholds").
     """
     widths = [_gap_width(profile, load, change) for change in changes]
     # Beside a narrow strip the ratio is below 4 / pi.

@@ -17,7 +17,6 @@ CRASHED = 70
 """EX_SOFTWARE of sysexits.h."""
 READER_GONE = 141
 """Exit code that a shell reports for a program ended by SIGPIPE."""
-
 _PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
 _LONGEST = 200
 _REPORT = """\
@@ -35,13 +34,7 @@ packages: {packages}
 
 
 def crashed(error: BaseException, arguments: Sequence[str]) -> int:
-    """Write a report of an exception that nothing caught, and name it in one sentence.
-
-    Returns
-    -------
-    int
-        `CRASHED`.
-    """
+    """Report an exception that nothing caught, and name it in a sentence; return `CRASHED`."""
     words = " ".join(f"{type(error).__name__}: {error}".split())
     what = words if len(words) <= _LONGEST else f"{words[:_LONGEST]}…"
     text = _report(error, arguments)

@@ -18,7 +18,6 @@ from slipfront.cli.options import option_name
 
 ALIKE = {"nodes": "resolution"}
 """Options that replace arguments a command does not have: the nodes of a march follow from them."""
-
 _SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must | has a unit)")
 _NAMED = re.compile(r"`(\w+)`")
 _REFUSAL: Any = typer.BadParameter.__base__  # UsageError, of click or of the copy in newer typers
@@ -27,14 +26,9 @@ _NUMBER = re.compile(r"\bvalid (integer|float|number)")
 
 
 def in_options(sentence: str, options: Collection[str]) -> str:
-    """Return a sentence in which the arguments it names are replaced by options.
+    """Return a sentence in which the arguments it names are replaced by options of the command.
 
-    Parameters
-    ----------
-    sentence : str
-        Names arguments `in backticks`, or as its subject: "march: nodes must be ...".
-    options : names of arguments
-        Arguments that are options of the command; others stay as they are.
+    It names arguments `in backticks`, or as its subject: "march: nodes must be ...".
     """
 
     def replaced(match: re.Match[str]) -> str:
@@ -73,12 +67,9 @@ def refuse_given(options: Mapping[str, Any], reason: str) -> None:
 
 @contextmanager
 def in_one_sentence() -> Iterator[None]:
-    """Raise what click would report in a box, such as an unknown option, as a sentence.
+    """Raise what click would report in a box, such as an unknown option, as a SceneError.
 
-    Raises
-    ------
-    SceneError
-        With the sentence, whose subject is the option or the argument in question.
+    Its sentence has the option or the argument in question as subject.
     """
     try:
         yield

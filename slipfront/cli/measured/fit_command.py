@@ -13,8 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from compare.comparison.documents import envelope, json_text
-from compare.output.files import write_text
-from compare.output.places import check_file
+from compare.output.places import check_file, write_text
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read

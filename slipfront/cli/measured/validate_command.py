@@ -9,14 +9,15 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from compare.comparison.documents import json_text
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
-from compare.output.places import working_folder
+from compare.output.places import working_folder, write_text
 from compare.records.names import not_read
-from compare.records.options import ReadingOptions
 from compare.records.read import read_records
+from compare.records.record import ReadingOptions
 from compare.validation.conventions import BASIC, Conventions
-from compare.validation.report import validation_document, write_validation
+from compare.validation.report import validation_document
 from compare.validation.validation import CONVERTED, Validation, validate
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
@@ -33,7 +34,9 @@ from slipfront.cli.options import (
     FiguresForm,
     asked,
     measured_option,
+    option,
     option_name,
+    optional,
     with_options,
 )
 from slipfront.cli.scenes.completion import scene_names
@@ -42,32 +45,27 @@ FIGURE = "validation"
 _UNITS = "Units and conventions of the file (of the scene, and as given, unless stated)"
 
 
-def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
-    return Annotated[type_, typer.Option(help=text, metavar=metavar, rich_help_panel=_UNITS)]
-
-
-def _measured(dimension: str, text: str) -> Any:
-    return Annotated[float | None, measured_option(dimension, text, _UNITS)]
-
-
 UNIT_OPTIONS: Mapping[str, Any] = {
-    "length_unit": _option(str | None, "Of positions and slip, as mm.", metavar="UNIT"),
-    "time_unit": _option(str | None, "Of times, as µs.", metavar="UNIT"),
-    "stress_unit": _option(str | None, "Of tractions, as MPa.", metavar="UNIT"),
+    "length_unit": optional(str, _UNITS, "Of positions and slip, as mm.", metavar="UNIT"),
+    "time_unit": optional(str, _UNITS, "Of times, as µs.", metavar="UNIT"),
+    "stress_unit": optional(str, _UNITS, "Of tractions, as MPa.", metavar="UNIT"),
 }
 CONVENTIONS: Mapping[str, Any] = {
-    "sign": _option(str | None, "Of slip and shear: as-given or reversed."),
-    "slip": _option(str | None, "relative, half, or face: that of one face."),
-    "pressure": _option(str | None, "What is positive: compression or tension."),
-    "tractions": _option(str | None, "total, or changes: those since t = 0."),
-    "rate": _option(
-        str | None, "Slip rate at its time, point, or the mean over the step before or after it."
+    "sign": optional(str, _UNITS, "Of slip and shear: as-given or reversed."),
+    "slip": optional(str, _UNITS, "relative, half, or face: that of one face."),
+    "pressure": optional(str, _UNITS, "What is positive: compression or tension."),
+    "tractions": optional(str, _UNITS, "total, or changes: those since t = 0."),
+    "rate": optional(
+        str, _UNITS, "Slip rate at its time, point, or the mean over the step before or after it."
     ),
-    "time_shift": _measured("time", "Added to the times, in units of the scene [time]."),
+    "time_shift": optional(
+        float, _UNITS, "Added to the times, in units of the scene [time].", dimension="time"
+    ),
 }
 PLACES: Mapping[str, Any] = {
-    "scale": _option(
-        list[str] | None,
+    "scale": optional(
+        list[str],
+        _UNITS,
         "Unit of a column, as slip=um, or what it is multiplied by, as length=0.001.",
         metavar="NAME=UNIT",
     ),
@@ -75,67 +73,58 @@ PLACES: Mapping[str, Any] = {
         list[float] | None,
         measured_option("length", "Where the station of each file is, in its units.", _UNITS),
     ],
-    "origin": _measured("length", "Where the contact begins in the coordinates of the file."),
-    "column": _option(
-        list[str] | None, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
+    "origin": optional(
+        float,
+        _UNITS,
+        "Where the contact begins in the coordinates of the file.",
+        dimension="length",
+    ),
+    "column": optional(
+        list[str], _UNITS, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
     ),
 }
 
+_OPTIONS: Mapping[str, Any] = {
+    "results": typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
+    "scene_name": option(
+        "Name of a scene, or a TOML file.", flag="--scene", complete=scene_names, metavar="SCENE"
+    ),
+    "spacing": measured_option(
+        "length",
+        "Distance of grid points on the interface, in the unit of x unless it has its own; "
+        "once for each resolution. 0 for a gauge without extent, with --noise.",
+    ),
+    "noise": option(
+        "Standard deviation of the samples of a quantity, such as slip=0.5um, in the "
+        "unit of the file unless it has its own.",
+        metavar="NAME=NUMBER",
+    ),
+    "strict": option("Return 1 if conventions were inferred.", flag="--strict"),
+    "rate_from_slip": option("Make a slip rate of differences of slip.", flag="--rate-from-slip"),
+    "threshold": measured_option(
+        "length / time",
+        "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
+    ),
+    "output": option("Folder to write to; by default results/SCENE-validation.", metavar="DIR"),
+}
 
-@with_options(overrides=SCENE_OPTIONS, units=UNIT_OPTIONS, conventions=CONVENTIONS, places=PLACES)
+
+@with_options(
+    _OPTIONS, overrides=SCENE_OPTIONS, units=UNIT_OPTIONS, conventions=CONVENTIONS, places=PLACES
+)
 def validate_command(
     overrides: Mapping[str, Any],
     units: Mapping[str, str],
     conventions: Mapping[str, Any],
     places: Mapping[str, Any],
-    results: Annotated[
-        list[Path],
-        typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
-    ],
-    scene_name: Annotated[
-        str,
-        typer.Option(
-            "--scene",
-            metavar="SCENE",
-            help="Name of a scene, or a TOML file.",
-            autocompletion=scene_names,
-        ),
-    ],
-    spacing: Annotated[
-        list[float] | None,
-        measured_option(
-            "length",
-            "Distance of grid points on the interface, in the unit of x unless it has its own; "
-            "once for each resolution. 0 for a gauge without extent, with --noise.",
-        ),
-    ] = None,
-    noise: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=NUMBER",
-            help="Standard deviation of the samples of a quantity, such as slip=0.5um, in the "
-            "unit of the file unless it has its own.",
-        ),
-    ] = None,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Return 1 if conventions were inferred.")
-    ] = False,
-    rate_from_slip: Annotated[
-        bool, typer.Option("--rate-from-slip", help="Make a slip rate of differences of slip.")
-    ] = False,
-    threshold: Annotated[
-        float | None,
-        measured_option(
-            "length / time",
-            "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Folder to write to; by default results/SCENE-validation."
-        ),
-    ] = None,
+    results: list[Path],
+    scene_name: str,
+    spacing: list[float] | None = None,
+    noise: list[str] | None = None,
+    strict: bool = False,
+    rate_from_slip: bool = False,
+    threshold: float | None = None,
+    output: Path | None = None,
     figures: FiguresForm = "png",
     as_json: AsJson = False,
 ) -> None:
@@ -159,13 +148,13 @@ def validate_command(
         threshold=threshold,
         **conventions,
     )
-    options = ReadingOptions(
+    reading = ReadingOptions(
         tuple(_in_file("at", one, units) for one in places.get("at", ())),
         _in_file("origin", places.get("origin", 0.0), units),
         _columns(places.get("column", ())),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
-    records = read_records(results, options)
+    records = read_records(results, reading)
     validation = validate(records, scene, spacing=spacing, conventions=said)
     with working_folder(directory) as files:
         write_files(validation, label, directory, figures)
@@ -184,7 +173,7 @@ def write_files(validation: Validation, label: str, directory: Path, form: str =
     from compare.validation.figure import validation_figure
 
     save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
-    write_validation(validation, label, directory / REPORT)
+    write_text(directory / REPORT, json_text(validation_document(validation, label)))
 
 
 def _columns(told: Sequence[str]) -> dict[str, str]:
@@ -202,12 +191,12 @@ def _columns(told: Sequence[str]) -> dict[str, str]:
 def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
     """Return the factors on the numbers of a file, from names of units and from given numbers."""
     sizes = {}
-    for option, name in units.items():
-        kind = option.removesuffix("_unit")
+    for unit, name in units.items():
+        kind = unit.removesuffix("_unit")
         size = si_size(name, kind)
         if size is None:
             raise SceneError(
-                f"{option_name(option)} must be a unit of {kind} such as {EXAMPLES[kind]}, got "
+                f"{option_name(unit)} must be a unit of {kind} such as {EXAMPLES[kind]}, got "
                 f"{name!r}."
             )
         sizes[kind] = size

@@ -6,25 +6,20 @@ import sys
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
-from compare.output.files import write_text
-from compare.output.places import check_file
+from compare.output.places import check_file, write_text
 from compare.output.printed import PrintedTable
 from semianalytic import Scene, find
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import (
-    brought_scene,
-    brought_summary,
-    find_scene,
-)
+from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
 from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
@@ -43,7 +38,7 @@ from semianalytic.scene.plugins import (
 )
 from semianalytic.scene.tables.text import text_of
 from semianalytic.scene.units import SI
-from slipfront.cli.options import AsJson
+from slipfront.cli.options import AsJson, option, with_options
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
 from slipfront.cli.scenes.completion import METHODS as OWN_METHODS
 from slipfront.cli.scenes.completion import one_of, scene_names
@@ -63,7 +58,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 def scenes(as_json: AsJson = False) -> None:
     """List all scenes, and what other packages bring: scenes, laws, histories, figures, methods."""
-    rows = [*_own_rows(), *_other_rows(), *map(_brought_row, plugins(SCENES))]
+    rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]
     if as_json:
@@ -82,27 +77,18 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    for name, named in NAMED_SCENES.items():
-        yield {
-            "name": name,
-            "what": _what(named.scene),
-            "package": None,
-            "problem": "",
-            "summary": named.summary,
-            "scene": scene_document(named.scene),
-        }
-
-
-def _other_rows() -> Iterator[dict[str, Any]]:
-    """Yield the scenes on a line."""
-    for name, text in NAMED_LINES.items():
-        row = {"name": name, "what": "on a line", "package": None, "problem": ""}
-        summary, document = tomllib.loads(text)["summary"], scene_document(find(name))
-        yield {**row, "summary": summary, "scene": document}
+    own = [(name, one.scene, one.summary) for name, one in NAMED_SCENES.items()]
+    lines = NAMED_LINES.items()
+    own += [(name, find(name), tomllib.loads(text)["summary"]) for name, text in lines]
+    for name, scene, summary in own:
+        row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
+        yield {**row, "summary": summary, "scene": scene_document(scene)}
 
 
 def _what(scene: Scene) -> str:
     """Return in a word or two what a scene is."""
+    if scene.on_line:
+        return "on a line"
     if scene.grows:
         return "growing load"
     if not scene.has_slot:
@@ -144,39 +130,33 @@ def _units(scene: Scene) -> dict[str, Any]:
     return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
 
 
+_OPTIONS: Mapping[str, Any] = {
+    "file": typer.Argument(metavar="[FILE]", help="File to write, or - for standard output."),
+    "from_": option("Scene to write.", flag="--from", complete=scene_names, metavar="SCENE"),
+    "units": option(
+        "SI converts the scene to m, s, kg and Pa, for a polymer-like solid under 1 MPa.",
+        complete=one_of(SI),
+    ),
+    "material": option(
+        f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
+        complete=one_of(*SOLIDS),
+        metavar="SOLID",
+    ),
+    "with_all": option(
+        "Show all loads, load histories and friction laws as comments.", flag="--all"
+    ),
+    "force": option("Replace an existing file.", flag="--force"),
+}
+
+
+@with_options(_OPTIONS)
 def init(
-    file: Annotated[
-        Path, typer.Argument(metavar="[FILE]", help="File to write, or - for standard output.")
-    ] = Path("scene.toml"),
-    from_: Annotated[
-        str,
-        typer.Option(
-            "--from",
-            metavar="SCENE",
-            help="Scene to write.",
-            autocompletion=scene_names,
-        ),
-    ] = DEFAULT_SCENE,
-    units: Annotated[
-        str | None,
-        typer.Option(
-            help="SI converts the scene to m, s, kg and Pa, for a polymer-like solid under 1 MPa.",
-            autocompletion=one_of(SI),
-        ),
-    ] = None,
-    material: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SOLID",
-            help=f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
-            autocompletion=one_of(*SOLIDS),
-        ),
-    ] = None,
-    with_all: Annotated[
-        bool,
-        typer.Option("--all", help="Show all loads, load histories and friction laws as comments."),
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    file: Path = Path("scene.toml"),
+    from_: str = DEFAULT_SCENE,
+    units: str | None = None,
+    material: str | None = None,
+    with_all: bool = False,
+    force: bool = False,
     as_json: AsJson = False,
 ) -> None:
     """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""

@@ -21,7 +21,6 @@ MESH_NAMES = {
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing
 them would make completion slow."""
-
 Completer = Callable[[str], list[str]]
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 from rich.markup import escape
 
 from compare.comparison.documents import POINT_DIMENSIONS, points_document, units_document
@@ -17,6 +19,7 @@ from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import InSI, unit
 from slipfront.cli.options import option_name, read_number
+from slipfront.cli.terminal import print_json
 
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
@@ -32,13 +35,9 @@ _DIGITS = 12
 
 @dataclass(frozen=True)
 class AskedPoints:
-    """Positions and times that were asked for, in the units of the scene.
+    """Positions [length] and times [time] that were asked for, in the units of the scene.
 
-    Attributes
-    ----------
-    x, t : tuple of float
-        Positions [length] and times [time]; all pairs of them are answered, and arrivals alone if
-        there is no time.
+    All pairs of them are answered, and arrivals alone if there is no time.
     """
 
     x: tuple[float, ...]
@@ -70,11 +69,8 @@ class AskedPoints:
 def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> AskedPoints | None:
     """Return the points that --x and --t ask for, each text one or several numbers with units.
 
-    Raises
-    ------
-    SceneError
-        If there is a time and no position, a number is not positive, a unit is unknown, only
-        positions or only times have units, or there are too many points.
+    A SceneError refuses a time without a position, numbers that are not positive, units of
+    positions or of times alone, and too many points.
     """
     if not x:
         if t:
@@ -134,6 +130,33 @@ def points_table(answer: Any, points: AskedPoints) -> PrintedTable:
             table.add_row(place, name.replace("_", " "), value, bar, escape(units[name]))
             place = ""
     return table
+
+
+def show_answer(
+    answer: Any,
+    document: dict[str, Any],
+    tables: Iterable[PrintedTable],
+    points: AskedPoints | None,
+    done: Mapping[str, Path | None],
+    draw: Callable[[Any], Any] | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Draw an answer if that is asked for, and print it: points first, then what was done where."""
+    plot = done["Drawn"]
+    if draw is not None and plot is not None:
+        from compare.figures.saving import save_figure
+
+        save_figure(draw(answer), plot)
+    files = {word: path for word, path in done.items() if path is not None}
+    if as_json:
+        document = document if points is None else points.with_units(document, answer)
+        print_json("solve", document, files=files.values())
+        return
+    for table in (*([] if points is None else [points_table(answer, points)]), *tables):
+        Console().print(table)
+    for word, path in files.items():
+        Console().print(f"{word} in {path}", highlight=False)
 
 
 def _worth(arrivals: Mapping[str, Mapping[str, float]]) -> list[tuple[str, str]]:

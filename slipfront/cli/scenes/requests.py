@@ -1,13 +1,10 @@
-"""What is asked of ``slipfront field``: checked options, complete before anything is computed."""
+"""Options of ``slipfront field``, which are checked before anything is computed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from semianalytic import Scene
 from semianalytic.scene.checks import checked_number, checked_size, shown
@@ -20,49 +17,6 @@ GRID = (200, 200)
 """Default number of cells of a grid, along x and y."""
 MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
 """Limits of points and cells along an axis, of frames, and of times; more are a typing error."""
-
-
-@dataclass(frozen=True)
-class Request:
-    """Checked options of the command, complete before anything is computed.
-
-    Attributes
-    ----------
-    time : float
-        Time of the picture and end of animations and records [time].
-    window : (x0, x1, y0, y1) or None
-        Part of the plane that is shown [length]; None for everything the waves have reached.
-    points : int
-        Points along the longer side of a picture.
-    frames : int
-        Number of frames of an animation and of files for ParaView; 0 for no animation.
-    form : str
-        Format of an animation, one of `FORMATS`.
-    grid : (int, int) or None
-        Cells of the grid for ParaView; None for no such files.
-    gauges : tuple of (x, y)
-        Positions of gauges [length].
-    samples : int
-        Number of times of a record.
-    figures : str
-        Format of pictures.
-    """
-
-    time: float
-    window: tuple[float, float, float, float] | None
-    points: int
-    frames: int
-    form: str
-    grid: tuple[int, int] | None
-    gauges: tuple[tuple[float, float], ...]
-    samples: int
-    figures: str
-
-    @property
-    def times(self) -> list[float]:
-        """Times of the frames; without an animation only the last one [time]."""
-        count = max(self.frames, 1)
-        return np.linspace(self.time / count, self.time, count).tolist()
 
 
 def fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:

@@ -155,7 +155,7 @@ def test_sigterm_leaves_a_checkpoint_to_resume_from(tmp_path):
     deadline = time.monotonic() + PATIENCE
     while not (tmp_path / "run" / "checkpoint.h5").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
-    process.terminate()  # gmsh was there, and must not have changed what that does
+    process.terminate()
     _, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 143
     assert errors == INTERRUPTION + "\n"

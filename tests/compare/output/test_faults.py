@@ -19,8 +19,7 @@ from faults import (
 )
 
 from compare.figures.saving import save_figure
-from compare.output.files import write_text
-from compare.output.places import LOCK, check_file, save_somewhere, working_folder
+from compare.output.places import LOCK, check_file, save_somewhere, working_folder, write_text
 from fem import simulate
 from semianalytic.results.files import check_seal, new_file, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
@@ -133,7 +132,8 @@ def test_other_programs_still_read_sealed_files(kinds, tmp_path):
         check_seal(tmp_path / kinds[name].path)
     with h5py.File(tmp_path / "march.h5") as file:
         assert file["interface/slip"].shape[1] == 40
-    assert len(meshio.read(tmp_path / kinds["mesh"].path).points) == 41 * 11
+    mesh = tmp_path / kinds["mesh"].path
+    assert len(meshio.read(mesh).points) == kinds["mesh"].read(mesh)[0].shape[1]
     assert len(meshio.read(tmp_path / "last.vtu").points) == 2 * 41 * 11
 
 

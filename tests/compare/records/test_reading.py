@@ -9,8 +9,8 @@ import meshio
 import numpy as np
 import pytest
 
-from compare.records.options import ReadingOptions
 from compare.records.read import read_records
+from compare.records.record import ReadingOptions
 from fem import simulate
 from semianalytic import find, solve
 from semianalytic.results.interface_history import InterfaceHistory

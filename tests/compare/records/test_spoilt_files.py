@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from faults import flip_bits, randomness
 
-from compare.records.options import ReadingOptions
 from compare.records.read import read_records
+from compare.records.record import ReadingOptions
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 

@@ -76,7 +76,7 @@ def test_energy_balances_and_the_law_holds_at_every_step(name):
     for level in range(round(0.8 / step)):
         part = 1.0 if level else 0.5
         model.kick(level, part)
-        rate = model.sliding.of("increment") / step
+        rate = model.sliding.increment() / step
         # slower than that, a rate is the rounding of increments
         strength = line.friction.strength(model.felt, np.maximum(np.abs(rate), 1e-9), model.state)
         strength = np.where(model.pressure > 0, strength, 0.0)

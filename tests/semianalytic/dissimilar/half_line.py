@@ -5,10 +5,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from docs.studies.dissimilar.half_line import half_line_speed, phase_rule
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar.whole_line import PhaseIntegrals, half_line_speed
 from semianalytic.halfplane.rayleigh import Array
 
 REACH, SPACING = 36.0, 0.25
@@ -24,8 +24,7 @@ def half_line_slip_rate(
     impedance mu / c_t of the upper body, and follows from dV/dv = -X(-v) Im(1/K) / (pi v).
     """
     speed = half_line_speed(compliance, friction, ratio)
-    integrals = PhaseIntegrals(slip_phase(compliance, friction))
-    _, weight, distance = integrals.nodes(1 / speed)
+    _, weight, distance = phase_rule(slip_phase(compliance, friction), 1 / speed)
     velocity = np.asarray(velocity, dtype=float)
     rates = [
         _slip_rate_behind(compliance, friction, (weight, distance), 1 / speed, 1 / one)

@@ -1,13 +1,11 @@
-"""Exact answers without a slot: nine digits of an independent quadrature, limits, and marches."""
-
-from dataclasses import replace
+"""Slip from an over-stressed half-line: nine digits of an independent quadrature, and limits."""
 
 import numpy as np
 import pytest
 from dissimilar_pairs import PAIRS, contrast
 
 import semianalytic as sf
-from semianalytic.dissimilar import whole_line
+from docs.studies.dissimilar.half_line import half_line_exponent, half_line_speed
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.dissimilar.phase import slip_phase
 from tests.semianalytic.dissimilar.half_line import half_line_slip_rate
@@ -39,51 +37,20 @@ def test_half_line(ratio, friction, chi, positive, negative, exponents):
     bodies = contrast(ratio)
     if positive is None:
         with pytest.raises(sf.SceneError, match="waves grow"):
-            whole_line.half_line_speed(bodies, friction, chi)
+            half_line_speed(bodies, friction, chi)
     else:
-        assert whole_line.half_line_speed(bodies, friction, chi) == pytest.approx(
-            positive, abs=8e-10
-        )
-    assert whole_line.half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(
-        negative, abs=8e-10
-    )
-    assert whole_line.half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
+        assert half_line_speed(bodies, friction, chi) == pytest.approx(positive, abs=8e-10)
+    assert half_line_speed(bodies.mirrored, friction, chi) == pytest.approx(negative, abs=8e-10)
+    assert half_line_speed(bodies, -friction, chi) == pytest.approx(negative, abs=8e-10)
     for sign, speed, known in zip((1, -1), (positive, negative), exponents, strict=False):
-        exponent = whole_line.half_line_exponent(bodies, sign * friction, speed)
+        exponent = half_line_exponent(bodies, sign * friction, speed)
         assert 1 - exponent == pytest.approx(known, abs=6e-7)
-
-
-@pytest.mark.thinned(2)
-@pytest.mark.parametrize(
-    ("ratio", "friction", "drop", "right", "left"),
-    [
-        (1.5, 0.2, 1.0, 0.297294608, 0.288729188),
-        (1.8, 0.4, 0.5, 0.532503354, 0.499679857),
-        pytest.param(1.5, 0.4, 1.0, 0.301668219, 0.284540587, marks=pytest.mark.slow),
-        pytest.param(1.8, 0.4, 1.0, 0.306756958, 0.282722797, marks=pytest.mark.slow),
-        pytest.param(1.5, 0.2, 0.5, 0.515077530, 0.504034310, marks=pytest.mark.slow),
-        pytest.param(1.5, 0.4, 0.5, 0.520827811, 0.498736765, marks=pytest.mark.slow),
-    ],
-)
-def test_point(ratio, friction, drop, right, left):
-    speeds = whole_line.point_speeds(contrast(ratio), friction, drop)
-    assert speeds == pytest.approx((right, left), abs=8e-10)
 
 
 @pytest.mark.slow
 def test_like_bodies():
-    assert whole_line.half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
-    assert whole_line.half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
-    for speed, missing in ((0.3, 0.5), (0.6, 0.6)):
-        patch = sf.Scene(SOLID, missing, sf.Tractions(1.0, 0.0), sf.Patch(speed, shear=1.0))
-        known = sf.solve(patch).edge_speed
-        assert whole_line.patch_speeds(ALIKE, 0.2, missing, speed) == pytest.approx(
-            (known, known), rel=1e-9
-        )
-        known = sf.solve(replace(patch, load=sf.PointForce(shear=1.0))).edge_speed
-        assert whole_line.point_speeds(ALIKE, 0.2, missing) == pytest.approx(
-            (known, known), rel=1e-8
-        )
+    assert half_line_speed(ALIKE, 0.3, 1.0) == pytest.approx(0.375, rel=1e-13)
+    assert half_line_speed(ALIKE, 0.3, 0.5) == pytest.approx(2 / 3, rel=1e-13)
 
 
 def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
@@ -92,14 +59,6 @@ def test_slip_rate_of_like_bodies_is_that_beside_a_slot():
     # the slot of chi_b = 1 takes 1 of the 2 that are too much and missing together
     rate = 2 * half_line_slip_rate(ALIKE, 0.0, 1.0, x)
     np.testing.assert_allclose(rate, sf.solve(scene, rtol=1e-11).slip_rate(x, 1.0), rtol=1e-9)
-
-
-@pytest.mark.slow
-def test_a_narrow_patch_is_a_point():
-    bodies, width = contrast(1.5), 1e-4
-    excess = 1 / (2 * width)
-    patch = whole_line.patch_speeds(bodies, 0.2, 1 / excess, width)
-    assert patch == pytest.approx(whole_line.point_speeds(bodies, 0.2, 1.0), rel=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -130,9 +89,5 @@ def test_dundurs_parameter_is_that_of_the_moduli():
 
 
 def test_what_cannot_be_is_refused():
-    with pytest.raises(sf.SceneError, match="positive"):
-        whole_line.point_speeds(ALIKE, 0.2, 0.0)
-    with pytest.raises(sf.SceneError, match="less than 1"):
-        whole_line.patch_speeds(ALIKE, 0.2, 1.5, 0.3)
     with pytest.raises(sf.SceneError, match="slower than all waves"):
-        whole_line.half_line_speed(ALIKE, 0.2, 1e-6)
+        half_line_speed(ALIKE, 0.2, 1e-6)

@@ -12,7 +12,6 @@ from fem import cost
 from fem.results import load_simulation
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli import simulate_command
-from slipfront.cli.simulate_command import Allowance
 
 COARSE = "--resolution 32 --no-snapshots --output out"
 GAP = "compare preloaded --friction 0.15 --no-snapshots --output out"
@@ -131,9 +130,9 @@ def test_an_overrun_is_said_once_before_it_happens(late, told, monkeypatch):
     monkeypatch.setattr(simulate_command, "monotonic", lambda: next(clock))
     steps, sentences = [], []
     predicted = cost(find_scene("preloaded"))
-    allowance = Allowance(expected=predicted.seconds / 0.6, budget=10.0)
-    watch = allowance.watched(
-        lambda step, _: steps.append(step), predicted, "preloaded", sentences.append
+    allowed = (predicted.seconds / 0.6, 10.0)
+    watch = simulate_command.watched(
+        lambda step, _: steps.append(step), predicted, allowed, "preloaded", sentences.append
     )
     for step in range(1, 11):
         watch(step, 10)
