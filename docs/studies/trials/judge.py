@@ -32,16 +32,8 @@ from compare.comparison.judgement import Judgement, judge
 from compare.comparison.rows import AGREES, ALARM, DIFFERS, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
 from docs.studies.runner import JOURNALS, Point, Row, Study, grouped, main
+from docs.studies.trials import wrong_answers as bad
 from docs.studies.trials.draws import KINDS, judged_interface, judged_scene
-from docs.studies.trials.wrong_answers import (
-    FAULTS,
-    LINE_FAULTS,
-    MISTAKES,
-    RUNS,
-    loaded,
-    mixed,
-    spoilt,
-)
 from fem import Simulation, simulate
 
 SEED = 20461128
@@ -54,7 +46,6 @@ COUNTS: Mapping[str, int] = {
 }
 """Scenes and interfaces of each kind: 300 and 60."""
 CATCHABLE, SURE, MOST = 1.5, 2.5, 4.0
-EVERY = 5  # one of so many cases is made wrong
 FOLDER = JOURNALS / "judge-runs"
 
 
@@ -128,8 +119,7 @@ def right_row(kind: str, index: int) -> Row:
         for row in judgement.rows
         if row.bar and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
     ]
-    line |= {"rows": len(judgement.rows), "judged": len(held)}
-    line |= {"within": sum(bars <= 1 for bars in held), "farthest": max(held, default=0.0)}
+    line |= {"judged": len(held), "within": sum(bars <= 1 for bars in held)}
     line["said"] = "; ".join(
         f"{row.name} {row.over_bar:.2f} {row.verdict} {row.obstacle}"
         for row in judgement.rows
@@ -161,8 +151,7 @@ def alarms(rows: list[Row]) -> list[Row]:
 
 
 def upper_limit(count: int, trials: int) -> float:
-    """Largest rate at which so few of the trials, or fewer, come about in one case of twenty
-    (Clopper and Pearson)."""
+    """Largest rate at which so few of the trials come about in one case of twenty."""
     if count >= trials:
         return 1.0
     return float(scipy.stats.beta.ppf(0.95, count + 1, trials - count))
@@ -202,12 +191,12 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
                     where = f"{place}, own bars" if own > 1 else place
                     row(mistake, where, target, _caught(case, runs))
     run, coarser = case.simulations[0], case.simulations[1:]
-    for mistake in random.permutation(np.array(MISTAKES))[:6].tolist() if case.is_scene else ():
-        wrong = spoilt(mistake, case.prediction, run.time_step)
-        if wrong is not None:
-            effect = _effect(case.judged([exact, *coarser], wrong).rows, bars)
-            row(mistake, "prediction", effect, case.judged(None, wrong))
-    faults: Mapping[str, Callable[[Any], Any]] = FAULTS if case.is_scene else LINE_FAULTS
+    for mistake in random.permutation(np.array(bad.MISTAKES))[:6].tolist() if case.is_scene else ():
+        other = bad.spoilt(mistake, case.prediction, run.time_step)
+        if other is not None:
+            effect = _effect(case.judged([exact, *coarser], other).rows, bars)
+            row(mistake, "prediction", effect, case.judged(None, other))
+    faults: Mapping[str, Callable[[Any], Any]] = bad.FAULTS if case.is_scene else bad.LINE_FAULTS
     for fault in random.permutation(np.array(list(faults)))[:3].tolist():
         broken, flawed = faults[fault](run), faults[fault](exact)
         if broken is None:
@@ -223,8 +212,8 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
 
 def changes(case: Stored) -> list[dict[str, Callable[[Any, float], Any]]]:
     """Return what makes each of the runs wrong by a size, by name."""
-    made = [dict(RUNS[case.is_scene]) for _ in case.simulations]
-    scene = loaded(case.prediction.scene) if case.is_scene else None
+    made = [dict(bad.RUNS[case.is_scene]) for _ in case.simulations]
+    scene = bad.loaded(case.prediction.scene) if case.is_scene else None
     if scene is not None:
         with suppress(sf.SceneError, sf.ComputationError):
             more = [
@@ -232,7 +221,7 @@ def changes(case: Stored) -> list[dict[str, Callable[[Any, float], Any]]]:
                 for run in case.simulations
             ]
             for known, run, other in zip(made, case.simulations, more, strict=True):
-                known["load"] = partial(mixed, run, other)
+                known["load"] = partial(bad.mixed, run, other)
     return made
 
 
@@ -295,21 +284,16 @@ def power(rows: list[Row]) -> list[Row]:
     return found
 
 
-def right_points(quick: bool) -> list[Point]:
-    """Return all cases; the first of each kind for a quick look."""
-    return [
-        (kind, index) for kind, count in COUNTS.items() for index in range(1 if quick else count)
-    ]
-
-
-def wrong_points(quick: bool) -> list[Point]:
-    """Return the cases that are made wrong."""
-    return [point for point in right_points(quick) if point[1] % EVERY == (0 if quick else 1)]
+def points(quick: bool, every: int = 1) -> list[Point]:
+    """Return all cases, or the second of every few; the first of each kind for a quick look."""
+    counts = {kind: 1 if quick else count for kind, count in COUNTS.items()}
+    first = 0 if quick or every == 1 else 1
+    return [(kind, index) for kind, count in counts.items() for index in range(first, count, every)]
 
 
 STUDIES = [
-    Study("judge-right", right_points, right_row, alarms),
-    Study("judge-wrong", wrong_points, wrong_rows, power),
+    Study("judge-right", points, right_row, alarms),
+    Study("judge-wrong", partial(points, every=5), wrong_rows, power),
 ]
 
 if __name__ == "__main__":

@@ -103,17 +103,14 @@ def _ratio(size: float, scene: sf.Scene) -> sf.Scene:
     return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size)
 
 
-def _without_base_shear(scene: sf.Scene) -> sf.Scene:
-    held = scene.superposition.in_place
-    return replace(scene, base=sf.Tractions(held.pressure, 0.0), load_on=SLOT)
-
-
 MISTAKEN_SCENES: Mapping[str, Callable[[sf.Scene], sf.Scene]] = {
     "friction +3 %": partial(_friction, 0.03),
     "friction -3 %": partial(_friction, -0.03),
     "ν +0.01": partial(_ratio, 0.01),
     "ν -0.004": partial(_ratio, -0.004),
-    "base shear forgotten": _without_base_shear,
+    "base shear forgotten": lambda scene: replace(
+        scene, base=sf.Tractions(scene.superposition.in_place.pressure, 0.0), load_on=SLOT
+    ),
 }
 _DISTORTED: Mapping[str, Mapping[str, Any]] = {
     "speeds +0.5 %": {"stretch": 1.005},
