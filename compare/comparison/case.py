@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from compare.comparison.bars import LARGEST_ORDER
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
-from compare.comparison.mesh_choice import Feature, Prices
+from compare.comparison.mesh_choice import Feature, Prices, short_waves_grow
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
@@ -50,15 +50,8 @@ EDGE_CELLS = 4
 class Case:
     """A prediction and a simulation, ready to be compared.
 
-    Attributes
-    ----------
-    prediction : Answer
-    simulation : Simulation
-        With its companions.
-    at_nodes : InterfaceHistory
-        The prediction at the nodes and stored times of the simulation.
-    doubted : InterfaceHistory or None
-        The prediction's companion at the same places, from which its error is estimated, if any.
+    The simulation has its companions; `at_nodes` is the prediction at its nodes and stored times,
+    and `doubted` the prediction's companion there, from which its error is estimated, if any.
     """
 
     prediction: Answer
@@ -69,6 +62,8 @@ class Case:
     """Highest order of convergence of fields that is believed."""
     local: ClassVar = 1.0
     """Error of a place over that which coarser meshes let expect of it."""
+    early: ClassVar = 0.2
+    """Initial part of the run, over the end time, that is left out because little is resolved."""
     beside_motion: ClassVar = math.inf
     """How many times as much it may be beside ends of slip or of openings."""
 
@@ -234,6 +229,20 @@ class Case:
         )[:, 1:-1]
         return too_narrow(~slips & inner)
 
+    def showing(self, name: str, levels: slice) -> int:
+        """Return how many coarser meshes, from 2h on, show how fast slip is, or how wide gaps are.
+
+        A mesh on which a zone or an opening has fewer than `UNSEEN` nodes in a row shows that it is
+        there and no more: such gaps are half of the exact one, and slip rates change with no order.
+        """
+        least, count = NOTHING * self.rate if name == "slip_rate" else 0.0, 0
+        for answer in self.expected[1:]:
+            moves = np.abs(getattr(answer, name)[levels]) > least
+            if moves.any() and not (moves & ~too_narrow(moves)).any():
+                break
+            count += 1
+        return count
+
     @property
     def error_estimate(self) -> float:
         """Relative error estimate of an exact solution; 0 for any other prediction."""
@@ -248,10 +257,9 @@ class Case:
         friction that falls with slip rate, in proportion to their wave number.  They do so on this
         mesh if slip rates, or pressures, are rougher on it than on that of 2h.
         """
-        falls, bodies = self.scene.law.fall_with_rate > 0, self.scene.bodies
-        different = bodies[0] != bodies[1]
-        if not (different or falls) or len(self.runs) < 2:
+        if len(self.runs) < 2 or not short_waves_grow(self.scene):
             return ""
+        different = self.scene.bodies[0] != self.scene.bodies[1]
         fields = ("slip_rate", "pressure") if different else ("slip_rate",)
         rougher = max(self._rougher(name) for name in fields)
         if rougher <= 1:

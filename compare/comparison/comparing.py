@@ -78,6 +78,6 @@ def compare(
     if end_time is not None:
         settings["end_time"] = end_time
     prediction, choice = planned(found, method, budget, snapshots=False, **settings)
-    settings["resolution"] = choice.resolution
+    settings |= {"resolution": choice.resolution, "damping": choice.damping}
     simulation = with_companions(simulate(found, **settings))
     return judge(prediction or predict_like(simulation, method), simulation)

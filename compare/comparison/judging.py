@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import LEAST_ORDER, SAFETY, ErrorBar, error_bar, slowest_bar
-from compare.comparison.case import Case
+from compare.comparison.case import UNSEEN, Case
 from compare.comparison.measures import NOTHING, within
 from compare.comparison.rows import AGREES, AWAY, BASIC, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic.results.answer import Answer
@@ -43,6 +43,7 @@ DIVERGES = (
     "what it does from 4h to 2h"
 )
 NO_BAR = "no coarser mesh shows it, so that it has no error bar"
+FEW = f"no coarser mesh has {UNSEEN} nodes of it in a row, so that it has no error bar"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
 """Obstacles of rows that meshes do not decide although they do not move apart."""
 
@@ -67,21 +68,10 @@ def value_row(
 ) -> Row | None:
     """Return the row of one number; None where neither answer has it, or both have 0.
 
-    Parameters
-    ----------
-    case : Case
-    name, kind, unit : str
-    read : callable
-        Reads the number off a history, in `unit`.
-    exact : float, optional
-        Value of the prediction itself, apart from the nodes.
-    floor : float
-        Uncertainty due to nodes and steps alone at the element size of the simulation.
-    reach : float
-        Largest distance between readings of the same feature on two meshes; a reading of a coarser
-        mesh that is farther off belongs to another feature.
-    unseen : float
-        Change of the value that parts of the prediction too narrow for the mesh may cause.
+    `read` reads the number off a history, in `unit`, and `exact` is that of the prediction apart
+    from nodes.  `floor` is the uncertainty due to nodes and steps alone at the element size of the
+    simulation.  A reading of a coarser mesh that is farther off than `reach` belongs to another
+    feature.  `unseen` is the change that parts of the prediction too narrow for the mesh may cause.
     """
     at_nodes, simulated = read(case.at_nodes), read(case.seen)
     if at_nodes == simulated and not simulated and not exact:
@@ -121,22 +111,11 @@ def value_row(
 class Compared:
     """A field of both answers at the nodes of each mesh: at the end, (n,), or over time, (k, n).
 
-    Runs are numbered: 0 is the simulation, 1 the run at 2h, ...
-
-    Attributes
-    ----------
-    x : sequence of (n,) arrays
-        Positions of the nodes of each run [length].
-    shown : sequence of (n,) masks
-        Nodes of each run at which the field is compared.
-    simulated : callable
-        Returns the field of a run at its nodes and at the times of a run, given both numbers.
-    predicted : callable
-        Returns the prediction at the nodes and times of run 0 or 1, as far as it reaches.
-    doubted : array or None
-        The prediction's companion at the nodes and times of run 0, if any.
-    t : sequence of (k,) arrays or None
-        Times of each run [time]; None for a field at the end.
+    Runs are numbered: 0 is the simulation, 1 the run at 2h, ...  Each has positions of nodes
+    [length], a mask of those that are compared, and times t [time] unless the field is one at the
+    end.  `simulated` returns the field of one run at the nodes and times of another one, given both
+    numbers; `predicted` the prediction at those of run 0 or 1, as far as it reaches; `doubted` is
+    the prediction's companion at those of run 0, if any.
     """
 
     x: Sequence[Array]
@@ -159,6 +138,7 @@ def field_row(
     smooth: bool = False,
     driven: Callable[[int], Array] | None = None,
     most: int = 2,
+    showing: int = 2,
 ) -> Row:
     """Return the row of the norms of a field, its relative error and its bar.
 
@@ -167,27 +147,14 @@ def field_row(
     meshes show of each other.  Where the prediction is nothing everywhere, the largest values
     replace norms, and differences are in units of the field.
 
-    Parameters
-    ----------
-    case : Case
-    name, kind : str
-    field : Compared
-    scale : (float, str, str)
-        Divisor of the values, its name, and the unit of norms.
-    exact : float, optional
-        Norm of the prediction itself.
-    unseen : float
-        Norm of the parts of the prediction that are too narrow for the mesh.
-    smooth : bool
-        Whether the field has no fronts, so that meshes are compared at the nodes of the coarser
-        one, between which linear interpolation is less accurate than at its ends.
-    driven : callable, optional
-        Returns the change of the field, over its divisor, at the nodes and times of a run that the
-        change of strength from mesh to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added
-        to the change of the field.
-    most : int
-        Changes from mesh to mesh that are used, from the finest on; fewer where coarser meshes show
-        too little, and without any the row has no bar.
+    `scale` is the divisor of the values, its name, and the unit of norms; `exact` the norm of the
+    prediction itself, `unseen` that of its parts too narrow for the mesh.  A `smooth` field has no
+    fronts: meshes are compared at the nodes of the coarser one, between which linear interpolation
+    is less accurate than at its ends.  `driven` returns the change of the field, over its divisor,
+    at the nodes and times of a run that the change of strength from mesh to mesh causes, 0 from 2h
+    to h and 1 from 4h to 2h; it is added to the change of the field.  At `most` so many changes
+    from mesh to mesh are used, from the finest on, and where they do not converge only those of
+    meshes that are `showing` how large the field is; without any the row has no bar.
     """
     value, unit, unit_of_norm = scale
     places = [x[shown] for x, shown in zip(field.x, field.shown, strict=True)]
@@ -236,6 +203,10 @@ def field_row(
     )
     floor = case.nothing(kind) if nothing else least_error(case)
     error = error_bar(changes, floor, most=case.largest_order) if changes else None
+    if error and not error.converges and not nothing and showing < len(changes):
+        if not showing:
+            return replace(row, obstacle=FEW, resolution=case.finer)
+        error = error_bar(changes[:showing], floor)
     diverges = error is not None and not error.converges
     # a pressure that is singular at the edge converges with order 1/2 at best; a field that
     # converges by itself must not be rejected for that
@@ -269,20 +240,8 @@ def profile_row(
 ) -> Row:
     """Return the row of a field along the contact at the end, between two positions.
 
-    Parameters
-    ----------
-    case : Case
-    name, kind : str
-    expect : callable
-        Returns the prediction at nodes.
-    read : callable
-        Returns the field along the contact in a run by number.
-    reach : (float, float)
-        Positions between which the field is compared [length].
-    scale : float and str
-        Divisor of the values, and its name.
-    **how
-        As for `field_row`.
+    `expect` returns the prediction at nodes, `read` the field of a run by its number; the field is
+    compared between both ends of `reach` [length], over `scale`; `how` as for `field_row`.
     """
     x = [run.interface.x for run in case.runs]
     low, high = reach[0], min(reach[1], float(case.seen.x[-1]))
@@ -312,19 +271,10 @@ def judged(
 ) -> Row:
     """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide.
 
-    Parameters
-    ----------
-    case : Case
-    row : Row
-    error : ErrorBar or None
-        None where coarser meshes do not show the quantity.
-    before : callable
-        Returns |difference| of the next coarser mesh from the prediction, in the unit of the row's
-        own difference; infinite where that is unknown.  Called only where the meshes do not
-        converge.
-    added : float
-        Part of the bar that does not come from meshes: the error of the prediction, or features
-        too narrow for the mesh.
+    Coarser meshes that do not show the quantity give no error.  `before`, which is called only
+    where meshes do not converge, returns |difference| of the next coarser mesh from the prediction
+    in the unit of the row's own, infinite where unknown.  `added` is the part of the bar that does
+    not come from meshes: the error of the prediction, or features too narrow for the mesh.
     """
     finer = case.finer
     if error is not None:

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from compare.comparison.measures import NARROW
-from semianalytic import Scene
+from semianalytic import Scene, Tractions
 from semianalytic.results.answer import Answer
 from semianalytic.results.memory import GIGABYTE, memory_limit
 from semianalytic.scene.checks import checked_size
@@ -32,12 +32,22 @@ small differences in cost do not change it."""
 SPARE = 0.9
 """Part of the available memory that a choice may count on, because later there may be less."""
 
-DRAWN = 4.0
-"""Time to compare and to draw on any mesh [s], as `fem.Cost` counts it.  Of the 5.1 s that
-`slipfront compare preloaded --no-snapshots` took on one core, 0.5 s were simulations."""
-JUDGED = 1.4
-"""Time to compare and to draw field snapshots, over the time to write them: 17 s of the 38 s that
-the same command took with snapshots."""
+DRAWN = 4.5
+"""Time to start, to compare and to draw on any mesh [s], as `fem.Cost` counts it: between 3.9 s
+(`antiplane`) and 5.1 s (`preloaded`) of processor time for `slipfront compare --no-snapshots`."""
+JUDGED, JUDGED_MARCH = 1.4, 10.0
+"""Time to compare and to draw field snapshots, over the time to write them, for exact predictions,
+and for marches at the usual resolution: their fields in the bodies are sums over nodes and levels.
+With a resolution of 60 it is 15."""
+MARCHED, MARCH_POWER = 0.5, 1.43
+"""Time of a march, with the coarse one that checks it before [s], at a resolution of 100 and a wave
+twice as fast as that of shear, and its power of the number of nodes: 0.48, 0.84 and 1.35 s with
+resolutions of 100, 144 and 200."""
+
+QUIETING = 0.1
+"""Damping of scenes along whose interface waves of a few elements may grow.  With the usual 0.02
+they did in 7 of 13 drawn pairs and scenes whose friction falls with slip rate, with 0.1 in none but
+one that 0.2 does not mend either; bars were no wider."""
 
 BARS = "error bars under the {} history"
 """Feature of error bars, which are narrower if coarser meshes follow a load too."""
@@ -59,19 +69,9 @@ class Feature(NamedTuple):
 class Unseen:
     """Feature that a mesh is too coarse for, and the mesh that would show it.
 
-    Attributes
-    ----------
-    name : str
-        Name of the feature.
-    resolution : int
-        Node distances per c_t T that it needs.
-    seconds : float
-        Time of such a simulation with its companions and without snapshots on this machine [s],
-        even if no mesh may be so large.
-    memory : float
-        Memory of that simulation [bytes].
-    meshable : bool
-        Whether a mesh may be so large.
+    The resolution is in node distances per c_t T; time [s] and memory [bytes] are those of such a
+    simulation with its companions and without snapshots on this machine, even if no mesh may be so
+    large, which `meshable` says.
     """
 
     name: str
@@ -106,6 +106,8 @@ class MeshChoice:
         Memory of the simulation [bytes].
     unresolved : tuple of Unseen
         Features that this mesh is too coarse for, the widest first.
+    damping : float
+        As for `fem.simulate`: the given one, or more than usual where short waves may grow.
     """
 
     resolution: int
@@ -114,20 +116,15 @@ class MeshChoice:
     seconds: float
     memory: float
     unresolved: tuple[Unseen, ...]
+    damping: float
 
 
 @dataclass(frozen=True)
 class Prices:
     """Time and memory of simulations of a scene at any resolution, companions included.
 
-    Parameters
-    ----------
-    scene, end_time
-        As in `fem.simulate`.
-    snapshots : bool
-        Whether field snapshots are written.
-    options : dict
-        Fields of `fem.Settings` apart from the resolution.
+    Scene and end time are those of `fem.simulate`, options other fields of `fem.Settings` than the
+    resolution; with snapshots, the time to write them counts.
     """
 
     scene: Scene
@@ -159,12 +156,18 @@ class Prices:
         return run.seconds + sum(size**-3 for size in COARSER) * bare.seconds, run.memory
 
     def comparing(self, resolution: int) -> float:
-        """Additional time to compare and to draw, as `fem.Cost` counts it [s]."""
+        """Additional time to march, to compare and to draw, as `fem.Cost` counts it [s]."""
+        scene, taken = self.scene, DRAWN
+        if marched := not scene.is_self_similar:
+            faster = scene.fastest_speed / scene.material.shear_speed / 2
+            taken += MARCHED * (resolution / 100 * faster) ** MARCH_POWER
         seconds, _ = self.at(resolution)
-        if not self.snapshots or math.isinf(seconds):
-            return DRAWN
+        without = marched and not isinstance(scene.load, Tractions)  # such marches have no fields
+        if not self.snapshots or math.isinf(seconds) or without:
+            return taken
         bare, _ = replace(self, snapshots=False).at(resolution)
-        return DRAWN + JUDGED * (seconds - bare)
+        times = JUDGED_MARCH * (USUAL / resolution) ** 0.8 if marched else JUDGED
+        return taken + times * (seconds - bare)
 
     def here(self, resolution: int) -> tuple[float, float]:
         """Time on this machine [s] and memory [bytes], extrapolated from a mesh that is allowed
@@ -228,6 +231,10 @@ def choose_mesh(
         If an option is out of range, or budget or memory do not reach the coarsest mesh that
         follows the loads.
     """
+    from fem.settings import Settings
+
+    if options.get("damping") is None:
+        options["damping"] = QUIETING if short_waves_grow(scene) else Settings.damping
     prices = Prices(scene, end_time, snapshots, options)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("simulate: end_time", end_time)
@@ -253,7 +260,15 @@ def choose_mesh(
     needed = unresolved[-1].resolution if unresolved else resolution
     seconds, taken = prices.here(resolution)
     seconds += prices.pace * prices.comparing(resolution)
-    return MeshChoice(resolution, reason, needed, seconds, taken, unresolved)
+    damping = options["damping"]
+    return MeshChoice(resolution, reason, needed, seconds, taken, unresolved, damping)
+
+
+def short_waves_grow(scene: Scene) -> bool:
+    """Return whether waves along a sliding interface may grow in proportion to their wave number:
+    between different bodies, and under friction that falls with slip rate."""
+    upper, lower = scene.bodies
+    return scene.coefficient > 0 and (upper != lower or scene.law.fall_with_rate > 0)
 
 
 def toll(seconds: float, memory: float) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
+from collections.abc import Sequence
 from dataclasses import asdict
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +20,7 @@ from compare.comparison.documents import (
 )
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
+from compare.comparison.rows import AGREES
 from compare.output.places import write_text
 from semianalytic.results.answer import Answer, method_of
 from semianalytic.scene.given.documents import scene_document
@@ -124,6 +128,54 @@ def _run(case: Case) -> dict[str, Any]:
         "opened": simulation.opened and asdict(simulation.opened),
         "seconds": dict(simulation.seconds),
     }
+
+
+_STYLE = (
+    "body{font:16px/1.5 sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
+    "img{max-width:100%}table{font-size:14px;border-collapse:collapse;overflow-x:auto;"
+    "display:block}td,th{padding:.1em .6em;text-align:left}caption{text-align:left}"
+)
+_IMAGES = {"png": "png", "svg": "svg+xml"}
+"""Formats of figures that a page holds, as types of media; it links to others."""
+
+
+def write_page(judgement: Judgement, label: str, path: Path, figures: Sequence[Path] = ()) -> None:
+    """Write a judgement as one HTML page: the verdict, what is quoted of it, rows that do not agree
+    with reasons, figures, and all rows.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    """
+    reasons = [
+        f"<li>{escape(row.name)}{escape(f' at {row.place}' if row.place else '')}: "
+        f"{escape(row.verdict)}{escape(f', {row.obstacle}' if row.obstacle else '')}</li>"
+        for row in judgement.rows
+        if row.verdict != AGREES
+    ]
+    parts = [
+        f"<h1>{escape(label)}: {escape(judgement.said)}</h1>",
+        f"<p>Rows: {escape(judgement.shown_counts)}. "
+        f"Differences and error bars: {escape(judgement.quoted)}.</p>",
+        *(["<ul>", *reasons, "</ul>"] if reasons else []),
+        *(_picture(figure) for figure in figures),
+        judgement._repr_html_(),
+    ]
+    head = f'<meta charset="utf-8"><title>{escape(label)}</title><style>{_STYLE}</style>'
+    body = "\n".join(parts)
+    write_text(
+        path, f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>{body}</body></html>\n'
+    )
+
+
+def _picture(figure: Path) -> str:
+    """Return a figure for a page, which holds all of it unless its format is for paper."""
+    name, kind = escape(figure.name), _IMAGES.get(figure.suffix.removeprefix("."))
+    if kind is None:
+        return f'<p><a href="{name}">{name}</a></p>'
+    content = b64encode(figure.read_bytes()).decode()
+    return f'<p><img alt="{name}" src="data:image/{kind};base64,{content}"></p>'
 
 
 def write_report(judgement: Judgement, label: str, path: Path) -> None:

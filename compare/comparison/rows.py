@@ -185,6 +185,15 @@ class HasRows(Generic[AnyRow]):
         return not any(row.size for row in self.rows if row.kind in MOTION)
 
     @property
+    def basis(self) -> tuple[str, ...]:
+        """Kinds of rows that decide: those of tractions where nothing moves, or slips on so few
+        nodes that no row of slip has a bar that tells; else those of motion."""
+        motion = [row for row in self.rows if row.kind in MOTION and row.size]
+        motion = [row for row in motion if row.bar is not None or row.kind == "gap"]
+        tells = any(r.verdict == AGREES or not r.converges or r.width <= TELLING for r in motion)
+        return MOTION if tells and not self.rests else REST
+
+    @property
     def verdict(self) -> str:
         """Verdict on both answers.
 
@@ -192,13 +201,12 @@ class HasRows(Generic[AnyRow]):
         that is not 0 agrees, all of these rows and those of pressure converge, and no row of slip,
         slip rate, tractions or edges is beyond its bar, nor any field farther off on this mesh than
         on that of 2h.  Else it is "unresolved", whatever fronts and parts of maps do.  Where
-        nothing moves, all rows of tractions have to agree instead, and those of laws where no
-        traction changes.
+        nothing moves, or on fewer nodes than meshes can compare, all rows of tractions have to
+        agree instead, and those of laws where no traction changes.
         """
         if self.having(DIFFERS):
             return DIFFERS
-        kinds = REST if self.rests else MOTION
-        deciding = [row for row in self.rows if row.kind in kinds]
+        deciding = [row for row in self.rows if row.kind in self.basis]
         # the pressure of a right simulation converges: it did in all 500 scenes of docs/judge.md
         pressed = [row for row in self.rows if row.kind == "pressure"]
         if not all(row.converges for row in (*deciding, *pressed)):
@@ -208,7 +216,7 @@ class HasRows(Generic[AnyRow]):
         if any(row.obstacle.startswith(AWAY) for row in self.rows):
             return UNRESOLVED
         verdicts = [row.verdict for row in deciding if row.size]
-        if self.rests and UNRESOLVED in verdicts:
+        if self.basis == REST and UNRESOLVED in verdicts:
             return UNRESOLVED
         if self.rests and not verdicts:  # laws are all that is left to agree
             verdicts = [row.verdict for row in self.rows]
@@ -217,8 +225,7 @@ class HasRows(Generic[AnyRow]):
     @property
     def said(self) -> str:
         """The verdict, with the widest bar of what it rests on if that is wide."""
-        kinds = REST if self.rests else MOTION
-        rows = [row for row in self.having(AGREES) if row.kind in kinds and row.width > WIDE]
+        rows = [row for row in self.having(AGREES) if row.kind in self.basis and row.width > WIDE]
         if self.verdict != AGREES or not rows:
             return self.verdict
         widest = max(rows, key=lambda row: row.width)
@@ -228,7 +235,7 @@ class HasRows(Generic[AnyRow]):
     def quoted(self) -> str:
         """How far both answers are apart and how well that is known, by quantity, on one line."""
         parts = []
-        for kind in REST if self.rests else MOTION:
+        for kind in self.basis:
             row = next((row for row in self.rows if row.kind == kind and row.bar is not None), None)
             if row is not None and row.difference is not None:
                 off, bar = map(row.shown_share, (abs(row.difference), row.bar))

@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 SNAPSHOTS = "snapshots"
-REPORT = "report.json"
+REPORT, PAGE = "report.json", "report.html"
 FIELDS = "fields.csv"
 FIGURES = tuple(
     f"{name}.{form}"
@@ -37,8 +37,9 @@ def forget_other_runs(directory: Path, run: str) -> None:
     simulated = document.get("finite_elements") if isinstance(document, dict) else None
     if isinstance(simulated, dict) and simulated.get("run") != run:
         forget_figures(directory)
-        with suppress(OSError):
-            (directory / REPORT).unlink(missing_ok=True)
+        for name in (PAGE, REPORT):
+            with suppress(OSError):
+                (directory / name).unlink(missing_ok=True)
 
 
 def forget_figures(directory: Path, kept: Container[str] = ()) -> None:

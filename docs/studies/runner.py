@@ -73,6 +73,7 @@ def main(module: str, studies: Sequence[Study], arguments: Sequence[str] | None 
     parser = argparse.ArgumentParser(prog=f"python -m {module}")
     parser.add_argument("names", nargs="*", metavar="STUDY", help=", ".join(known))
     parser.add_argument("--quick", action="store_true", help="compute less, for a first look")
+    parser.add_argument("--count", type=int, help="compute about so many points of each study")
     parser.add_argument("--output", type=Path, default=Path("results"), metavar="DIR")
     parser.add_argument("--fresh", action="store_true", help="compute finished rows again")
     parser.add_argument("--workers", type=int, default=1, help="number of processes")
@@ -84,14 +85,19 @@ def main(module: str, studies: Sequence[Study], arguments: Sequence[str] | None 
         journal = JOURNALS / f"{name}{quick.replace(' -', '')}.jsonl"
         if options.fresh:
             journal.unlink(missing_ok=True)
-        rows = computed(known[name], options.quick, journal, options.workers)
+        rows = computed(known[name], options.quick, journal, options.workers, options.count)
         written(known[name], rows, options.output, f"{parser.prog} {name}{quick} --output docs")
     return 0
 
 
-def computed(study: Study, quick: bool, journal: Path, workers: int = 1) -> list[Row]:
-    """Return the rows of all points in order; those in the journal are not computed again."""
-    points = {json.dumps(point): point for point in study.points(quick)}
+def computed(
+    study: Study, quick: bool, journal: Path, workers: int = 1, count: int | None = None
+) -> list[Row]:
+    """Return the rows of all points, or of about so many from the first to the last, in order;
+    those in the journal are not computed again."""
+    chosen = study.points(quick)
+    chosen = chosen[:: -(-len(chosen) // count)] if count else chosen
+    points = {json.dumps(point): point for point in chosen}
     done: dict[str, list[Row]] = {}
     for line in journal.read_text().splitlines() if journal.exists() else ():
         with suppress(ValueError):  # a run that was killed may have left half a line

@@ -13,9 +13,14 @@ from compare.comparison.comparing import compare
 from compare.comparison.documents import json_text, run_document
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
-from compare.comparison.report import judged_document, report_document, write_report
+from compare.comparison.report import (
+    judged_document,
+    report_document,
+    write_page,
+    write_report,
+)
 from compare.comparison.rows import DIFFERS
-from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
+from compare.output.leftovers import FIELDS, PAGE, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder, write_text
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
@@ -126,7 +131,7 @@ def compare_command(
                 directory,
                 scene,
                 label,
-                {**settings, "resolution": choice.resolution},
+                {**settings, "resolution": choice.resolution, "damping": choice.damping},
                 snapshots=snapshots,
                 foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
                 allowed=None if seconds is None else (choice.seconds, seconds),
@@ -150,7 +155,7 @@ def compare_command(
         title = f"Semi-analytic against finite elements: {label}"
         headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
         terminal.print_judgement(judgement, title, headings, everything=everything)
-        Console().print(f"All rows are in {directory / REPORT}", highlight=False)
+        Console().print(f"All rows are in {directory / PAGE}", highlight=False)
         if written and judgement.fields is None:
             notes.print(NO_FIELDS, highlight=False)
     if method_of(prediction) != "space-time":
@@ -165,7 +170,8 @@ NO_FIELDS = (
 
 
 def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:
-    """Draw the figures of a judgement into a folder, in a format; write JSON, and fields as CSV."""
+    """Draw the figures of a judgement into a folder, in a format; write JSON, HTML, and fields as
+    CSV."""
     from compare.figures.histories import comparison_figures
     from compare.figures.saving import save_figure
     from compare.figures.snapshots import snapshot_figure
@@ -178,6 +184,8 @@ def write_comparison(judgement: Judgement, label: str, directory: Path, form: st
         save_figure(draw(judgement.case), directory / f"{name}.{form}")
     kept = {f"{name}.{form}" for name in drawn}
     forget_figures(directory, kept if fields is None else {*kept, FIELDS})
+    pictures = [directory / f"{name}.{form}" for name in drawn]
+    write_page(judgement, label, directory / PAGE, pictures)
     write_report(judgement, label, directory / REPORT)
 
 
@@ -236,9 +244,10 @@ def _compare_line(
     ]
     comparison = {**judged_document(judgement), "meshes": meshes}
     document = {**run_document(done), "status": judgement.verdict, "comparison": comparison}
-    files = [] if output is None else [output / REPORT]
-    for path in files:
-        write_text(path, json_text(document))
+    files = [] if output is None else [output / REPORT, output / PAGE]
+    if output is not None:
+        write_text(output / REPORT, json_text(document))
+        write_page(judgement, source, output / PAGE)
     if as_json:
         terminal.print_json("compare", document, judgement.verdict, files)
     else:

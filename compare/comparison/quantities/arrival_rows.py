@@ -55,15 +55,9 @@ face would have been beyond by 0.8."""
 class Face:
     """One field on one face: its predicted values and those recorded by a run.
 
-    Attributes
-    ----------
-    name : str
-        Name of the field.
-    predict : callable
-        Returns predicted values over the reference value at velocities [length / time].
-    record : callable
-        Returns, for a simulation, increasing distances from the edge (n,) [length], times (m,)
-        [time] and values over the reference value (m, n).
+    `predict` returns predicted values over the reference value at velocities [length / time], and
+    `record`, for a simulation, increasing distances from the edge (n,) [length], times (m,) [time]
+    and values over the reference value (m, n).
     """
 
     name: str

@@ -16,7 +16,7 @@ from compare.comparison.bars import ErrorBar, error_bar
 from compare.comparison.case import Case
 from compare.comparison.judging import judged, rate_bar, value_row
 from compare.comparison.measures import NARROW, NOTHING, ROUNDING
-from compare.comparison.rows import Row
+from compare.comparison.rows import BEYOND, Row
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
@@ -96,8 +96,11 @@ def _edge_rows(
             # the zones on either side read one edge, at which slip changes its sense
             bars = [bar for side in sides if (bar := rows[side].bar) is not None]
             for side in sides:
+                row = replace(rows[side], bar=max(bars, default=None))
+                within = row.bar is not None and row.over_bar <= 1
                 if rows[side].bar is not None:
-                    rows[side] = replace(rows[side], bar=max(bars))
+                    past = within and row.obstacle.startswith(BEYOND)
+                    rows[side] = replace(row, obstacle="" if past else row.obstacle)
     yield from rows.values()
 
 
@@ -112,16 +115,7 @@ def narrow_obstacle(
 ) -> Obstacle | None:
     """Return why nodes cannot show an edge: its zone or what lies beyond is narrower than `least`.
 
-    Parameters
-    ----------
-    parts : tuple of SlipInterval, or of OpenInterval
-        Parts from the edge of the contact outward, at one time.
-    number : int
-        Index of the part.
-    end : str
-        "start" or "end".
-    least : float
-        Least width [length].
+    The edge is the start or the end of a part by its number, from the edge of the contact outward.
     """
     part = parts[number]
     name = _name(part)
@@ -141,7 +135,7 @@ def narrow_obstacle(
     return Obstacle(f"the gap to the next {name} is {{width}} c_t T wide", gap)
 
 
-def _room(parts: tuple[Part, ...], number: int, end: str) -> float:
+def room(parts: tuple[Part, ...], number: int, end: str) -> float:
     """Width of a part, or of the gap to the next part of its sense at an end if that is less."""
     part, beyond = parts[number], number + (1 if end == "end" else -1)
     room = part.end - part.start
@@ -181,7 +175,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
         exact=exact,
         floor=EDGE_FLOOR * cell,
         unit="c_t",
-        reach=NEARBY * _room(parts, number, end) / case.length,
+        reach=NEARBY * room(parts, number, end) / case.length,
         unseen=read_off,
     ) or Row(name, kind, exact, None, None, None, None, "c_t")
     obstacle = narrow_obstacle(parts, number, end, NARROW * case.simulation.element_size)

@@ -98,15 +98,7 @@ def map_rows(case: Case) -> Iterator[Row]:
 def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Row:
     """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
-    Parameters
-    ----------
-    case : Case
-    name : str
-        Name of the field.
-    unseen : (m, n) array
-        How far the prediction at the nodes is uncertain, or too narrow for them.
-    smooth : bool
-        As for `field_row`.
+    `unseen`, (m, n), is how far the prediction at the nodes is uncertain, or too narrow for them.
     """
     runs = [run.interface for run in case.runs]
     late = [run.t > (1 + ROUNDING) * EARLY * case.end_time for run in runs]
@@ -139,6 +131,7 @@ def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Ro
         unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
         smooth=smooth,
         driven=(lambda of: case.strength_changes[of][late[of]]) if driven else None,
+        showing=case.showing(name, slice(None)) if name == "slip_rate" else 2,
     )
 
 

@@ -23,8 +23,6 @@ Mask = NDArray[np.bool_]
 BAND = 2
 """Number of elements of the coarsest mesh on either side of fronts and edges that are left out; the
 length is the same on all meshes."""
-EARLY = 0.2
-"""Initial part of the run, over the end time, that is left out because little is resolved in it."""
 LOCAL = 1.0
 """Error that the mesh of h may have at a place, over the largest change from 4h to 2h within a band
 around it.  Of all places of 204 scenes, none was off by more than 1.5 times this and `LOCAL_FLOOR`;
@@ -47,7 +45,7 @@ def local_rows(case: Case) -> Iterator[Row]:
     if len(case.runs) < 3:
         return
     left_out, moving = case.beside_fronts(_width(case)), _beside_motion(case)
-    left_out |= (case.seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
+    left_out |= (case.seen.t < (1 - ROUNDING) * case.early * case.end_time)[:, None]
     if not (left_out | moving).all():
         for name in case.fields:
             yield _local_row(case, name, left_out, moving)

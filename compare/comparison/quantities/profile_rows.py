@@ -22,6 +22,7 @@ Answers = Callable[[ArrayLike, ArrayLike], Array]
 
 NEAREST, FARTHEST = 0.02, 1.9
 """Positions over c_t T between which slip is compared: not at the edge, nor at the P front."""
+LAST = slice(-1, None)
 POINTS = 2000
 """Number of points at which a prediction is integrated apart from the nodes."""
 
@@ -49,6 +50,7 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
         unseen=case.norm_of(_unseen_rate(case) / case.rate, reach),
         scale=(case.rate, "V₀"),
         driven=lambda number: case.strength_changes[number][-1],
+        showing=case.showing("slip_rate", LAST),
     )
     yield _end_row(
         case,
@@ -100,23 +102,7 @@ def gap_rows(case: Case) -> Iterator[Row]:
     scale, reach = case.unit("gap")[0], _disturbed(case)
     gap = case.at_nodes.gap[-1:]
     unseen = case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach)
-    yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=_changes_of_gap(case))
-
-
-def _changes_of_gap(case: Case) -> int:
-    """Return how many changes of the gap from mesh to mesh, from the finest on, tell its error.
-
-    A mesh on which an opening has fewer than `UNSEEN` nodes in a row shows that it opens, but not
-    how far: such gaps are half of the exact one and come with no order (near-openings 7 and 11 of
-    docs/judge.md).
-    """
-    count = 0
-    for answer in case.expected[1:]:
-        opened = answer.gap[-1:] > 0
-        if opened.any() and not (opened & ~too_narrow(opened)).any():
-            break
-        count += 1
-    return count
+    yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=case.showing("gap", LAST))
 
 
 def wear_rows(case: Case) -> Iterator[Row]:

@@ -5,14 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import semianalytic as sf
+from docs.studies.lines import scene_along
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
-from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.loading import REMOTE, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
+
+Array = NDArray[np.float64]
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.45, -0.5)
 
@@ -165,6 +171,66 @@ def _random_antiplane(random: np.random.Generator) -> sf.Scene:
     return replace(kind(random), mode="antiplane")
 
 
+def _random_wave(random: np.random.Generator) -> sf.Scene:
+    """A P, SV or SH wave at 0 to 80 degrees either way from one of the bodies; some have a base
+    shear, and some rise in time."""
+    kind = str(random.choice(["P", "SV", "SH"]))
+    solid, friction = _random_solid(random)
+    angle, side = float(random.uniform(-80, 80)), str(random.choice(["below", "above"]))
+    stress = float(random.choice([-1, 1]) * random.uniform(0.1, 0.8))
+    shear = float(random.choice([0.0, random.uniform(-0.9, 0.9)])) * friction
+    mode = "antiplane" if kind == "SH" else "in-plane"
+    load = sf.IncidentWave(kind, angle, stress=stress, from_=side)
+    rise = sf.Ramp(float(random.uniform(0.1, 0.6))) if random.random() < 0.2 else sf.Step()
+    return sf.Scene(solid, friction, sf.Tractions(1.0, shear), load, rise, rise, mode=mode)
+
+
+def _random_moving(random: np.random.Generator) -> sf.Scene:
+    """A load that moves over the slot faces, either way, at 0.3 to 8 c_t."""
+    solid, friction = _random_solid(random)
+    speed = float(random.choice([-1, 1]) * np.exp(random.uniform(np.log(0.3), np.log(8.0))))
+    pressure = float(random.choice([0.0, random.uniform(-0.5, 1.0)]))
+    load = sf.MovingLoad(speed, pressure, float(random.normal()))
+    return sf.Scene(solid, friction, sf.Tractions(1.0, 0.0), load)
+
+
+def _random_pair(random: np.random.Generator) -> sf.Scene:
+    """Two different bodies; impedances differ by up to three times either way."""
+    scene, contrast = random_steps(random), float(np.exp(random.uniform(-1.1, 1.1)))
+    density = float(random.uniform(0.5, 2.0))
+    lower = sf.Material(contrast**2 / density, density, float(random.uniform(0.0, 0.4)))
+    return replace(scene, lower_material=lower)
+
+
+def _random_rate_weakening(random: np.random.Generator) -> sf.Scene:
+    scene = random_steps(random)
+    reduction, rate = float(random.uniform(0.0, 0.6)), float(random.lognormal(1.0, 1.0))
+    return replace(scene, friction=sf.RateWeakening(scene.coefficient, 1 - reduction, rate))
+
+
+def _random_flanks(random: np.random.Generator) -> sf.Scene:
+    """A pulse whose flanks take half of the time in which a wave crosses an element."""
+    scene, flank = random_steps(random), 0.005
+    begin, end = np.sort(random.uniform(0.0, 0.9, 2)).round(3).tolist()
+    times = (begin, begin + flank, end + 2 * flank, end + 3 * flank)
+    pulse = sf.Tabulated((0.0, *times) if begin else times, (0.0,) * bool(begin) + (0, 1, 1, 0))
+    return replace(scene, pressure_history=pulse, shear_history=pulse, load_on=SLOT)
+
+
+def _random_si(random: np.random.Generator) -> sf.Scene:
+    scene, pascal = random_steps(random), float(10 ** random.uniform(5, 8))
+    solid = sf.Material(
+        float(10 ** random.uniform(6, 10.6)),
+        float(random.uniform(900, 3000)),
+        float(random.choice([0.25, 0.33, 0.45, 0.495])),
+    )
+    base, load = (
+        sf.Tractions(pascal * one.pressure, pascal * one.shear)
+        for one in (scene.base, scene.superposition.taken_off)
+    )
+    return sf.Scene(solid, scene.coefficient, base, load, load_on=scene.load_on, units="SI")
+
+
 STEPS, HISTORIES, OPENINGS = "steps", "histories", "openings"
 KINDS: Mapping[str, Callable[[np.random.Generator], sf.Scene]] = {
     STEPS: random_steps,
@@ -172,6 +238,12 @@ KINDS: Mapping[str, Callable[[np.random.Generator], sf.Scene]] = {
     OPENINGS: random_opening,
     "viscous": _random_film,
     "antiplane": _random_antiplane,
+    "waves": _random_wave,
+    "moving": _random_moving,
+    "pairs": _random_pair,
+    "rate weakening": _random_rate_weakening,
+    "flanks": _random_flanks,
+    "SI": _random_si,
 }
 
 
@@ -180,5 +252,57 @@ def judged_scene(kind: str, random: np.random.Generator) -> sf.Scene:
     while True:
         with suppress(sf.SceneError):
             scene = KINDS[kind](random)
-            if kind == OPENINGS or not (scene.is_self_similar and contact_opens(scene)):
+            asked = scene.is_self_similar and scene.lower_material is None and not scene.antiplane
+            if kind == OPENINGS or not (asked and contact_opens(scene)):
                 return scene
+
+
+def _patch(size: float, width: float, x: Array) -> Array:
+    return size * np.exp(-((x / width) ** 2))
+
+
+def _spreading(size: float, rate: float, x: Array, t: float) -> Array:
+    return size * np.clip((rate * t - np.abs(x)) / 0.4 + 0.5, 0.0, 1.0)
+
+
+def _burst(size: float, x: Array, t: float) -> Array:
+    return -size * np.exp(-4 * x**2) * min(2 * t, 1.0)
+
+
+_SLOT = sf.Contact([(-6.0, -1.0), (1.0, 6.0)])
+
+
+def judged_interface(kind: str, random: np.random.Generator) -> sf.Scene:
+    """A random interface of a kind, 12 long, that pickles; raises SceneError where the draw is not
+    admissible."""
+    friction, shear = float(random.uniform(0.1, 0.7)), float(random.uniform(0.3, 0.9))
+    sense = float(random.choice([-1.0, 1.0]))
+    held, excess = sense * friction * shear, sense * friction * float(random.uniform(0.4, 1.0))
+    patch = partial(_patch, excess, float(random.uniform(0.4, 1.0)))
+    rise = sf.Ramp(float(random.uniform(0.2, 1.0)))
+    loads = [sf.InterfaceLoad(patch, history=rise)]
+    if kind in ("pair", "weakening") and random.random() < 0.5:
+        spreading = partial(_spreading, excess, float(random.uniform(0.15, 0.5)))
+        loads = [sf.InterfaceLoad(spreading, history=None)]
+    law: sf.Law = sf.Coulomb(friction)
+    given: dict[str, Any] = {"shear": held, "loads": loads}
+    if kind == "weakening":
+        drop, distance = float(random.uniform(0.3, 0.9)), float(random.uniform(0.3, 1.0))
+        law = sf.SlipWeakening(friction, drop * friction, distance)
+    if kind == "rate-and-state":
+        a, b = float(random.uniform(0.01, 0.03)), float(random.uniform(0.01, 0.04))
+        law = sf.RateAndState(a=a, b=b, f0=0.6, v0=1e-3, distance=float(random.uniform(0.2, 0.5)))
+        given |= {"shear": 0.55, "rate": 1e-6}
+    if kind == "slot" or (kind == "pair" and random.random() < 0.5):
+        load = sf.InterfaceLoad(sense * float(random.uniform(0.5, 1.5)), on="slot")
+        given = {"loads": [load], "contact": _SLOT, "even": kind == "slot"}
+    if kind == "opening":
+        burst = partial(_burst, float(random.uniform(1.2, 2.5)))
+        given = {"shear": held, "loads": [sf.InterfaceLoad(pressure=burst, history=None)]}
+    mode = "antiplane" if kind == "antiplane" else "in-plane"
+    solid, lower = sf.Material(1.0, 1.0, float(random.uniform(0.15, 0.35))), None
+    if kind == "pair" or (kind == "antiplane" and random.random() < 0.5):
+        density, contrast = float(random.uniform(0.7, 1.4)), float(random.uniform(1.1, 3.0))
+        lower = sf.Material(density * contrast**2, density, float(random.uniform(0.15, 0.35)))
+    given |= {"mode": mode, "lower_material": lower}
+    return scene_along(solid, law, 12.0, **given)

@@ -1,8 +1,11 @@
 """How far the judge of comparisons can be trusted: right answers, and answers that are wrong.
 
-``python -m docs.studies.trials.judge judge-right --workers 2`` simulates random scenes on the mesh
-that `slipfront compare` chooses, and judges their right answers: what differs is a false alarm.
-`judge-wrong` judges what can be made wrong of the answers to some scenes, and of the simulations.
+``python -m docs.studies.trials.judge --output docs`` compares random scenes and interfaces on the
+road that users take, `sf.compare` with the mesh that it chooses, and writes what it says of right
+answers (judge-right.csv).  On the stored runs, predictions and simulations are then made wrong, and
+each of the three runs alone (judge-wrong.csv).  An interrupted trial is continued, and
+``--count 20`` tries about so many cases of each.
+
 How far a mistake moves a row is known without the simulation: the right answer at the nodes is put
 in its place.  Beyond 1.5 bars a mistake ought to be caught, beyond 2.5 it has to be.
 """
@@ -10,133 +13,224 @@ in its place.  Beyond 1.5 bars a mistake ought to be caught, beyond 2.5 it has t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from statistics import median
+from time import process_time
+from typing import Any
 
 import numpy as np
 import scipy
 
 import semianalytic as sf
+from compare.comparison.comparing import compare
+from compare.comparison.interfaces.comparing import judge_interface
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import planned, predict_like
-from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
+from compare.comparison.rows import AGREES, ALARM, DIFFERS, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
-from docs.studies.runner import Point, Row, Study, grouped, main
-from docs.studies.trials.draws import KINDS, STEPS, judged_scene
-from docs.studies.trials.wrong_answers import FAULTS, MISTAKES, spoilt
-from fem import Simulation, simulate, with_companions
-from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import Answer
+from docs.studies.runner import JOURNALS, Point, Row, Study, grouped, main
+from docs.studies.trials import wrong_answers as bad
+from docs.studies.trials.draws import KINDS, judged_interface, judged_scene
+from fem import Simulation, simulate
 
-COUNTS: Mapping[str, int] = {**dict.fromkeys(KINDS, 40), STEPS: 90}
-"""Scenes of each kind."""
-SEED, POWER_SEED = 25, 15
-NAMED = "remote-shock preloaded auxetic pressure-drop lift-off lift-off-shear tap ramp unload pulse"
-DRAWN = (0, 1, 3, 5, 9, 10)
-CATCHABLE, SURE = 1.5, 2.5
-LAW = "law"
-"""Kind of the rows for laws that a simulation has to satisfy by itself."""
-TRUTH = "none"
-QUICK_RESOLUTION = 40
-CONFIDENCE = 0.95
+SEED = 20461128
+COUNTS: Mapping[str, int] = {
+    **dict.fromkeys(("steps", "waves", "pairs", "viscous", "antiplane", "histories"), 30),
+    **dict.fromkeys(("openings", "moving", "rate weakening"), 30),
+    **dict.fromkeys(("SI", "flanks"), 15),
+    **{"pair": 16, "slot": 10, "patch": 10, "weakening": 8, "rate-and-state": 6},
+    **{"opening": 4, "antiplane interface": 6},
+}
+"""Scenes and interfaces of each kind: 300 and 60."""
+CATCHABLE, SURE, MOST = 1.5, 2.5, 4.0
+FOLDER = JOURNALS / "judge-runs"
 
 
-def simulated(
-    scene: sf.Scene, resolution: int | None
-) -> tuple[Simulation, sf.Solution | PairSolution | sf.Marched]:
-    """Return a simulation with its companions as `slipfront compare` has it, and the prediction."""
-    prediction, choice = planned(scene, snapshots=True, resolution=resolution)
-    run = with_companions(simulate(scene, resolution=choice.resolution, tell=lambda _: None))
-    return run, prediction or predict_like(run)
+@dataclass(frozen=True)
+class Stored:
+    """A prediction, the simulations from the finest mesh on, draws that were refused, the processor
+    time that both took [s], and, where it is not read from a file, what was said of it."""
+
+    prediction: Any
+    simulations: list[Any]
+    refused: int
+    seconds: float
+    judgement: Judgement | None = None
+
+    @property
+    def is_scene(self) -> bool:
+        """Whether it is a scene, not an interface."""
+        return isinstance(self.simulations[0], Simulation)
+
+    def judged(self, simulations: Sequence[Any] | None = None, prediction: Any = None) -> Judgement:
+        """Judge it, or what is made of its simulations or its prediction."""
+        runs, expected = simulations or self.simulations, prediction or self.prediction
+        if not self.is_scene:
+            return judge_interface(expected, runs)
+        chained: Any = None
+        for run in reversed(runs):
+            chained = replace(run, companion=chained)
+        return judge(expected, chained)
 
 
-def right_rows(group: str, index: int, resolution: int | None) -> list[Row]:
-    """Judge the right answer to the first scene of a draw that can be simulated and predicted."""
-    random = np.random.default_rng([SEED, index, list(KINDS).index(group)])
+def stored(kind: str, index: int) -> Stored:
+    """Return the case of a kind and a number, compared as users do unless it is stored already."""
+    path = FOLDER / f"{kind.replace(' ', '-')}-{index}.pkl"
+    if path.exists():
+        return Stored(*pickle.loads(path.read_bytes()))
+    random = np.random.default_rng([SEED, list(COUNTS).index(kind), index])
+    of_scene, refused = kind in KINDS, 0
     while True:
+        began = process_time()
         try:
-            run, prediction = simulated(judged_scene(group, random), resolution)
-            judgement = judge(prediction, run)
+            if of_scene:
+                judgement = compare(judged_scene(kind, random))
+            else:
+                given = judged_interface(kind.removesuffix(" interface"), random)
+                judgement = compare(given, 2.0)
             break
-        except sf.SceneError:
-            continue
-    rows: list[Row] = []
-    for row in judgement.rows:
-        # a row is held against its bar if it has one, and no obstacle
-        barred = row.difference is not None and row.bar is not None
-        held = barred and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
-        line: Row = {"group": group, "index": index, "judgement": judgement.verdict}
-        line |= {"kind": row.kind, "name": row.name, "verdict": row.verdict}
-        rows.append(line | {"bars": row.over_bar if held else math.nan})
-    return rows
+        except (sf.SceneError, sf.TensionError):
+            refused += 1
+    case: Any = judgement.case
+    runs = [replace(r, companion=None) for r in case.runs] if of_scene else [*case.simulations]
+    done = Stored(case.prediction, runs, refused, process_time() - began, judgement)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(".part")
+    part.write_bytes(pickle.dumps((case.prediction, runs, refused, done.seconds)))
+    part.rename(path)
+    return done
+
+
+def right_row(kind: str, index: int) -> Row:
+    """Judge the right answer to a case."""
+    case = stored(kind, index)
+    judgement = case.judgement or case.judged()
+    line: Row = {"kind": kind, "index": index, "verdict": judgement.verdict}
+    line |= {"refused": case.refused, "seconds": case.seconds}
+    for name in ("slip", "slip rate"):
+        bars = [row.bar for row in judgement.rows if row.kind == name and row.relative and row.bar]
+        line[name] = bars[0] if bars else math.nan
+    # a row is held against its bar if it has one, and no obstacle but that it is little beyond
+    held = [
+        row.over_bar
+        for row in judgement.rows
+        if row.bar and (row.verdict != UNRESOLVED or 1 < row.over_bar <= ALARM)
+    ]
+    line |= {"judged": len(held), "within": sum(bars <= 1 for bars in held)}
+    line["said"] = "; ".join(
+        f"{row.name} {row.over_bar:.2f} {row.verdict} {row.obstacle}"
+        for row in judgement.rows
+        if row.verdict != AGREES
+    )
+    return line
 
 
 def alarms(rows: list[Row]) -> list[Row]:
-    """Return false alarms and how many rows lie within their bars, by group and of all.
-
-    `rate` is the upper 95 % limit of the share of scenes that are said to differ.
-    """
+    """Return what is said of right answers by kind, of scenes, of interfaces, and of all."""
+    parts = {key: part for (key,), part in grouped(rows, "kind")}
+    parts["scenes"] = [row for row in rows if row["kind"] in KINDS]
+    parts["interfaces"] = [row for row in rows if row["kind"] not in KINDS]
     found = []
-    for group in (*dict.fromkeys(row["group"] for row in rows), "all"):
-        part = [row for row in rows if group in (row["group"], "all")]
-        scenes = {(row["group"], row["index"]): row["judgement"] for row in part}
-        false = sum(verdict == DIFFERS for verdict in scenes.values())
-        bars = np.array([row["bars"] for row in part if not math.isnan(row["bars"])])
-        agree = sum(verdict == "agrees" for verdict in scenes.values())
+    for kind, part in (parts | {"all": rows}).items():
+        if not part:
+            continue
         verdicts = [row["verdict"] for row in part]
-        line: Row = {"group": group, "scenes": len(scenes), "rows": len(part)}
-        line |= {"false_rows": verdicts.count(DIFFERS), "false_scenes": false}
-        line |= {"rate": upper_limit(false, len(scenes)), "agreeing_scenes": agree / len(scenes)}
-        line |= {"unresolved_rows": verdicts.count(UNRESOLVED) / len(part)}
-        line |= {"within": float(np.mean(bars <= 1)), "within_half": float(np.mean(bars <= 0.5))}
+        false = verdicts.count(DIFFERS)
+        line: Row = {"kind": kind, "cases": len(part), "refused": sum(r["refused"] for r in part)}
+        line |= {verdict: verdicts.count(verdict) for verdict in (AGREES, UNRESOLVED, DIFFERS)}
+        line["limit"] = upper_limit(false, len(part))
+        line["within"] = sum(r["within"] for r in part) / max(1, sum(r["judged"] for r in part))
+        for name in ("slip", "slip rate"):
+            bars = [row[name] for row in part if not math.isnan(row[name])]
+            line[f"bar_of_{name.replace(' ', '_')}"] = median(bars) if bars else math.nan
         found.append(line)
     return found
 
 
 def upper_limit(count: int, trials: int) -> float:
-    """Largest rate at which so few of the trials, or fewer, come about in one case out of twenty
-    (Clopper and Pearson)."""
+    """Largest rate at which so few of the trials come about in one case of twenty."""
     if count >= trials:
         return 1.0
-    return float(scipy.stats.beta.ppf(CONFIDENCE, count + 1, trials - count))
+    return float(scipy.stats.beta.ppf(0.95, count + 1, trials - count))
 
 
-def wrong_rows(name: str, resolution: int | None) -> list[Row]:
-    """Judge the right answer to a scene, all that is made wrong of it, and simulations at fault."""
-    kind, _, number = name.partition(" ")
-    random = np.random.default_rng([POWER_SEED, int(number or 0)])
-    scene = judged_scene(STEPS, random) if kind == "drawn" else sf.find(name)
-    run, right = simulated(scene, resolution)
-    truth = judge(right, run)
-    exact = _flawless(truth)
+def wrong_rows(kind: str, index: int) -> list[Row]:
+    """Judge what is made wrong of a case whose right answer agrees.
+
+    Sizes are in bars of the right judgement, of a coarser run also in its own, 2 and 4 times as
+    long; they are drawn evenly from the catchable ones, and from those beyond.
+    """
+    case, random = stored(kind, index), np.random.default_rng([SEED, index])
+    truth = case.judged()
+    if truth.verdict != AGREES or truth.rests:
+        return []
     bars = {row.name: row.bar for row in truth.rows if row.verdict != UNRESOLVED}
-    rows: list[Row] = [
-        {"scene": name, "mistake": TRUTH, "bars": 0.0, "verdict": truth.verdict, "by": ""}
-    ]
-    for mistake in MISTAKES:
-        wrong: Answer | None = spoilt(mistake, right, run.time_step)
-        if wrong is not None:
-            effect = _effect(judge(wrong, exact).rows, bars)
-            rows.append(_row(name, mistake, effect, judge(wrong, run)))
-    for fault, make in FAULTS.items():
-        broken = make(run)
+    rows: list[Row] = []
+
+    def row(mistake: str, place: str, effect: float, judgement: Judgement | None) -> None:
+        line: Row = {"kind": kind, "index": index, "mistake": mistake, "place": place}
+        line |= {"bars": effect, "verdict": "refused" if judgement is None else judgement.verdict}
+        rows.append(line | {"unlike": bool(judgement and judgement.unlike)})
+
+    exact = flawless(truth, case)
+    makes, size = changes(case), 0.01
+    for mistake, make in makes[0].items():
+        effect = _effect(case.judged([make(exact, size), *case.simulations[1:]]).rows, bars)
+        if not effect:
+            continue
+        for number, place in enumerate(("h", "2h", "4h")):
+            for own in {1, 2**number}:
+                for low, high in ((CATCHABLE, SURE), (SURE, MOST)):
+                    target = float(random.uniform(low, high))
+                    share = float(random.choice([-1, 1])) * size * own * target / effect
+                    runs = list(case.simulations)
+                    runs[number] = makes[number][mistake](runs[number], share)
+                    where = f"{place}, own bars" if own > 1 else place
+                    row(mistake, where, target, _caught(case, runs))
+    run, coarser = case.simulations[0], case.simulations[1:]
+    for mistake in random.permutation(np.array(bad.MISTAKES))[:6].tolist() if case.is_scene else ():
+        other = bad.spoilt(mistake, case.prediction, run.time_step)
+        if other is not None:
+            effect = _effect(case.judged([exact, *coarser], other).rows, bars)
+            row(mistake, "prediction", effect, case.judged(None, other))
+    faults: Mapping[str, Callable[[Any], Any]] = bad.FAULTS if case.is_scene else bad.LINE_FAULTS
+    for fault in random.permutation(np.array(list(faults)))[:3].tolist():
+        broken, flawed = faults[fault](run), faults[fault](exact)
         if broken is None:
             continue
-        try:
-            judgement = judge(right, broken)
-        except sf.DataFileError:
-            rows.append(rows[0] | {"mistake": fault, "bars": math.inf, "verdict": "refused"})
-            continue
-        effect = _effect(judge(right, make(exact) or exact).rows, bars)
-        laws = [row.over_bar for row in judgement.rows if row.kind == LAW]
-        rows.append(_row(name, fault, max(effect, *laws), judgement))
+        judgement, effect = _caught(case, [broken, *coarser]), math.inf
+        if judgement is not None and case.is_scene:
+            effect = _effect(case.judged([flawed or exact, *coarser]).rows, bars)
+            laws = [one.over_bar for one in judgement.rows if one.kind == "law"]
+            effect = max(effect, *laws)
+        row(fault, "simulation", effect, judgement)
     return rows
 
 
-def _row(scene: str, mistake: str, effect: float, judgement: Judgement) -> Row:
-    by = "; ".join(dict.fromkeys(row.kind for row in judgement.having(DIFFERS)))
-    row = {"scene": scene, "mistake": mistake, "bars": effect}
-    return {**row, "verdict": judgement.verdict, "by": by}
+def changes(case: Stored) -> list[dict[str, Callable[[Any, float], Any]]]:
+    """Return what makes each of the runs wrong by a size, by name."""
+    made = [dict(bad.RUNS[case.is_scene]) for _ in case.simulations]
+    scene = bad.loaded(case.prediction.scene) if case.is_scene else None
+    if scene is not None:
+        with suppress(sf.SceneError, sf.ComputationError):
+            more = [
+                simulate(scene, run.end_time, resolution=run.resolution, damping=run.damping)
+                for run in case.simulations
+            ]
+            for known, run, other in zip(made, case.simulations, more, strict=True):
+                known["load"] = partial(bad.mixed, run, other)
+    return made
+
+
+def _caught(case: Stored, runs: list[Any]) -> Judgement | None:
+    """Return what is said of runs; None if they are refused."""
+    try:
+        return case.judged(runs)
+    except sf.DataFileError:
+        return None
 
 
 def _effect(rows: Sequence[JudgedRow], bars: Mapping[str, float | None]) -> float:
@@ -146,21 +240,23 @@ def _effect(rows: Sequence[JudgedRow], bars: Mapping[str, float | None]) -> floa
         abs(row.difference) / bar
         for row in rows
         if row.difference is not None
-        and row.kind != LAW
+        and row.kind != "law"
         and (bar := bars.get(row.name))
         and (bar := row.bar if row.place and row.bar else bar)
     )
     return max(shares, default=0.0)
 
 
-def _flawless(truth: Judgement) -> Simulation:
+def flawless(truth: Judgement, case: Stored) -> Any:
     """Return a simulation that shows the prediction at its nodes and levels."""
-    case = truth.case
-    path, work = case.worn_at_nodes
-    run = replace(
-        case.simulation, interface=case.at_nodes, final_path=path, final_work_density=work
-    )
-    predict = getattr(case.prediction, "slot_velocity", None)
+    run, prediction = case.simulations[0], case.prediction
+    if not case.is_scene:
+        names = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+        known = {n: prediction.at(getattr(prediction.interface, n), run.x) for n in names}
+        return replace(run, **{name: np.nan_to_num(one) for name, one in known.items()})
+    path, work = truth.case.worn_at_nodes
+    run = replace(run, interface=truth.case.at_nodes, final_path=path, final_work_density=work)
+    predict = getattr(prediction, "slot_velocity", None)
     if predict is None:
         return run
     along, across = predict(run.slot.x, run.slot.t[:, None])
@@ -168,43 +264,36 @@ def _flawless(truth: Judgement) -> Simulation:
 
 
 def power(rows: list[Row]) -> list[Row]:
-    """Return how often each mistake is caught: of all, beyond 1.5 bars, and beyond 2.5 bars.
+    """Return what is said of mistakes, by what is wrong and by size in bars.
 
-    Scenes in which the right answer is said to differ are left out.
+    Caught is what does not agree, and what agrees with the remark that meshes are not alike.
     """
-    false = {row["scene"] for row in rows if (row["mistake"], row["verdict"]) == (TRUTH, DIFFERS)}
     found = []
-    for (mistake,), group in grouped([row for row in rows if row["mistake"] != TRUTH], "mistake"):
-        tried = [row for row in group if row["scene"] not in false]
-        line: Row = {"mistake": mistake}
-        for name, least in (("", -1.0), ("_beyond", CATCHABLE), ("_sure", SURE)):
-            part = [row for row in tried if row["bars"] > least]
-            caught = [row["verdict"] in (DIFFERS, "refused") for row in part]
-            share = float(np.mean(caught)) if part else math.nan
-            line |= {f"scenes{name}": len(part), f"caught{name}": share}
-        found.append(line)
+    for (place,), group in grouped(rows, "place"):
+        for low in (CATCHABLE, SURE):
+            sized = [row for row in group if row["bars"] >= low]
+            part = [row for row in sized if (row["bars"] >= SURE) == (low == SURE)]
+            if not part:
+                continue
+            said = [row["verdict"] for row in part]
+            line: Row = {"wrong": place, "bars_from": low, "tried": len(part)}
+            line |= {name: said.count(name) for name in (DIFFERS, UNRESOLVED, "refused")}
+            quiet = sum(row["verdict"] == AGREES and not row["unlike"] for row in part)
+            line |= {"remarked": said.count(AGREES) - quiet, "agrees": quiet}
+            found.append(line | {"caught": 1 - quiet / len(part)})
     return found
 
 
-def right_points(quick: bool) -> list[Point]:
-    """Return the numbers of all draws; the first two of each kind for a quick look."""
-    resolution = QUICK_RESOLUTION if quick else None
-    return [
-        (group, index, resolution)
-        for group, count in COUNTS.items()
-        for index in range(2 if quick else count)
-    ]
-
-
-def wrong_points(quick: bool) -> list[Point]:
-    """Return the names of all scenes; the first two for a quick look."""
-    names = [*NAMED.split(), "harmonic", *(f"drawn {index}" for index in DRAWN)]
-    return [(name, QUICK_RESOLUTION if quick else None) for name in names[: 2 if quick else None]]
+def points(quick: bool, every: int = 1) -> list[Point]:
+    """Return all cases, or the second of every few; the first of each kind for a quick look."""
+    counts = {kind: 1 if quick else count for kind, count in COUNTS.items()}
+    first = 0 if quick or every == 1 else 1
+    return [(kind, index) for kind, count in counts.items() for index in range(first, count, every)]
 
 
 STUDIES = [
-    Study("judge-right", right_points, right_rows, alarms),
-    Study("judge-wrong", wrong_points, wrong_rows, power),
+    Study("judge-right", points, right_row, alarms),
+    Study("judge-wrong", partial(points, every=5), wrong_rows, power),
 ]
 
 if __name__ == "__main__":

@@ -109,7 +109,7 @@ Spoil = Callable[[Arrays, sf.Scene], tuple[Arrays, sf.Scene] | None]
 
 
 def _of_scene(mistake: str, data: Arrays, scene: sf.Scene) -> tuple[Arrays, sf.Scene] | None:
-    other = MISTAKEN_SCENES[mistake](1.0, scene)
+    other = MISTAKEN_SCENES[mistake](scene)
     return None if other == scene else (data, other)
 
 

@@ -2,132 +2,87 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import semianalytic as sf
 from fem import Simulation
+from fem.lines import LineSimulation
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
+from semianalytic.results.answer import Answer, OpenInterval, SlipInterval, sampled_history
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import SLOT
-from semianalytic.selfsimilar.answer import SelfSimilarAnswer
-from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
 
-_EVEN, _GRADED, _CLUSTERED = 4000, 300, 200
-_REACH = 1.1
-"""End of the table of a profile, over c_l; fields farther ahead keep the values at the end."""
-_FIRST, _NEAREST, _BESIDE = 1e-6, 1e-7, 0.05
-"""First velocity, and least and largest distance of points from an edge or a front, over c_t."""
-
 
 @dataclass(frozen=True, eq=False)
-class Profiled(SelfSimilarAnswer):
-    """A self-similar answer of given fields at velocities x/t, linear between them.
+class Distorted:
+    """An exact answer that is late by `lag` [time], reaches `stretch` times as far, and whose slip
+    rate in one of its zones, slip rate and slip, and gap are multiplied by factors.
 
-    Slip and totals follow from them.  Nearer to the edge than the first velocity, and further than
-    the last, fields are those there.  Tractions include the base, `gap_over_time` is how far the
-    contact is open over the time, and `lag` is the time by which all of it is late.
+    It is a solution of nothing.
     """
 
-    scene: sf.Scene
-    velocities: Array
-    rate: Array
-    shear: Array
-    normal: Array
-    zones: tuple[SlipZone, ...]
-    gap_over_time: Array
-    openings: tuple[OpenZone, ...]
+    right: sf.Solution
     lag: float = 0.0
+    stretch: float = 1.0
+    motion: float = 1.0
+    apart: float = 1.0
+    in_zone: tuple[int, float] = (0, 1.0)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.right, name)
+
+    def _at(self, name: str, x: ArrayLike, t: ArrayLike) -> Array:
+        time = np.asarray(t, dtype=float) - self.lag
+        return np.asarray(getattr(self.right, name)(np.asarray(x) / self.stretch, time))
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        return self._at(self.rate, 0.0, x, t)
+        number, factor = self.in_zone
+        rate = self.motion * self._at("slip_rate", x, t)
+        if factor == 1:
+            return rate
+        zone, place = self.right.zones[number], np.asarray(x, dtype=float)
+        inside = (place > zone.inner * np.asarray(t)) & (place < zone.outer * np.asarray(t))
+        return np.where(inside, factor * rate, rate)
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        return self._since(t) * self._at(self._slip_over_time, 0.0, x, t)
-
-    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        return self._at(self.shear, self.scene.superposition.in_place.shear, x, t)
-
-    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        return self._at(self.normal, self.scene.superposition.in_place.pressure, x, t)
+        return self.motion * self._at("slip", x, t)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        return self._since(t) * self._at(self.gap_over_time, 0.0, x, t)
+        return self.apart * self._at("gap", x, t)
 
-    def max_slip(self, t: ArrayLike) -> Array:
-        return self._since(t) * float(np.abs(self._slip_over_time).max())
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        return self._at("shear_traction", x, t)
 
-    def accumulated_slip(self, t: ArrayLike) -> Array:
-        return self._growing(np.abs(self.rate), t)
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        return self._at("pressure", x, t)
 
-    def frictional_work(self, t: ArrayLike) -> Array:
-        return self._growing(np.abs(self.shear * self.rate), t)
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        return sampled_history(self, x, t)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        return super().zones_at(t - self.lag)
+        senses = [int(np.sign(self.motion))] * len(self.right.zones)
+        if senses:
+            senses[self.in_zone[0]] *= int(np.sign(self.in_zone[1]))
+        zones = zip(self.right.zones_at(t - self.lag), senses, strict=False)
+        return tuple(
+            replace(self._moved(zone), sense=sense * zone.sense) for zone, sense in zones if sense
+        )
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        return super().openings_at(t - self.lag)
+        parts = self.right.openings_at(t - self.lag) if self.apart else ()
+        return tuple(self._moved(part) for part in parts)
 
-    def _since(self, t: ArrayLike) -> Array:
-        return np.maximum(np.asarray(t, dtype=float) - self.lag, 0.0)
-
-    def _at(self, values: Array, at_rest: float, x: ArrayLike, t: ArrayLike) -> Array:
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t) - self.lag)
-        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
-        return np.where(t < 0, at_rest, np.interp(velocity, self.velocities, values))
-
-    @cached_property
-    def _slip_over_time(self) -> Array:
-        """Slip / t, (n,): the mean of the slip rate over slownesses up to t/x."""
-        slowness = 1 / self.velocities
-        steps = -np.diff(slowness) * (self.rate[:-1] + self.rate[1:]) / 2
-        past = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-        return self.velocities * (past + self.rate[-1] * slowness[-1])
-
-    def _growing(self, values: Array, t: ArrayLike) -> Array:
-        """Integral over all positions and times up to t; inf where it slips ahead of all waves."""
-        over_time = math.inf
-        if not values[-1]:
-            over_time = np.trapezoid(values, self.velocities) + values[0] * self.velocities[0]
-        time = self._since(t)
-        return np.multiply(over_time / 2, time**2, out=np.zeros(time.shape), where=time > 0)
-
-
-@lru_cache(maxsize=2)
-def profiled(solution: sf.Solution) -> Profiled:
-    """Tabulate the fields of a solution on the contact so that they can be distorted."""
-    material = solution.scene.material
-    speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
-    openings = solution.openings
-    opened = [end for part in openings for end in (part.inner, part.outer)]
-    edges = np.array([*solution.edge_speeds.ravel(), *opened])
-    fronts = (material.rayleigh_speed, speed, material.longitudinal_speed)
-    ends = np.array([*edges[(edges > 0) & np.isfinite(edges)], *fronts])
-    near = speed * np.geomspace(_NEAREST, _BESIDE, _CLUSTERED)
-    velocity = np.concatenate(
-        [
-            np.geomspace(_FIRST * speed, reach, _GRADED),
-            np.linspace(_FIRST * speed, reach, _EVEN),
-            ends,
-            np.add.outer(ends, [*near, *-near]).ravel(),
-        ]
-    )
-    velocity = np.unique(velocity[(velocity > 0) & (velocity <= reach)])
-    velocity = velocity[velocity != material.rayleigh_speed]  # slip there has a logarithm
-    named = (solution.slip_rate, solution.shear_traction, solution.pressure, solution.gap)
-    rate, shear, normal, gap = (field(velocity, 1.0) for field in named)
-    return Profiled(solution.scene, velocity, rate, shear, normal, solution.zones, gap, openings)
-
-
-# --- answers --------------------------------------------------------------------------------------
+    def _moved(self, part: Any) -> Any:
+        return replace(part, start=self.stretch * part.start, end=self.stretch * part.end)
 
 
 def _of_another_scene(other: sf.Scene, right: Answer) -> Answer | None:
@@ -136,135 +91,68 @@ def _of_another_scene(other: sf.Scene, right: Answer) -> Answer | None:
         return None
     if not isinstance(right, sf.Marched):
         return sf.solve(other)
-    nodes = right.grid.observed
-    return sf.solve(
-        other,
-        method="space-time",
-        end_time=right.end_time,
-        nodes=nodes,
-        length=nodes * right.grid.spacing,
-    )
+    given = {"nodes": right.grid.observed, "length": right.grid.observed * right.grid.spacing}
+    return sf.solve(other, method="space-time", end_time=right.end_time, **given)
 
 
-def _friction(size: float, share: float, scene: sf.Scene) -> sf.Scene:
-    return replace(
-        scene, friction=scene.law.with_coefficient((1 + size * share) * scene.coefficient)
-    )
+def _friction(size: float, scene: sf.Scene) -> sf.Scene:
+    return replace(scene, friction=scene.law.with_coefficient((1 + size) * scene.coefficient))
 
 
-def _ratio(size: float, share: float, scene: sf.Scene) -> sf.Scene:
-    return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size * share)
+def _ratio(size: float, scene: sf.Scene) -> sf.Scene:
+    return override_scene(scene, poisson_ratio=scene.material.poisson_ratio + size)
 
 
-def _second_zone_times(factor: float, right: sf.Solution) -> Profiled | None:
-    """Multiply the slip rate in the second zone from the edge by 0 or -1."""
-    if len(right.zones) < 2:
-        return None
-    table, zone = profiled(right), right.zones[1]
-    inside = (table.velocities > zone.inner) & (table.velocities < zone.outer)
-    changed = (SlipZone(zone.inner, zone.outer, -zone.sense),) if factor else ()
-    zones = [*(other for other in table.zones if other != zone), *changed]
-    rate = np.where(inside, factor * table.rate, table.rate)
-    return replace(table, rate=rate, zones=tuple(sorted(zones, key=lambda part: part.inner)))
-
-
-def _backward(right: sf.Solution) -> Profiled:
-    table = profiled(right)
-    zones = tuple(SlipZone(zone.inner, zone.outer, -zone.sense) for zone in table.zones)
-    return replace(table, rate=-table.rate, zones=zones)
-
-
-def _with_gap_times(factor: float, right: sf.Solution) -> Profiled | None:
-    if not right.openings:
-        return None
-    table = profiled(right)
-    openings = table.openings if factor else ()
-    return replace(table, gap_over_time=factor * table.gap_over_time, openings=openings)
-
-
-def _first_bent(of: str, size: float, right: sf.Solution) -> Profiled | None:
-    """Move the first edge of a slip zone or an opening that has room to move."""
-    edges = [end for part in getattr(right, of) for end in (part.inner, part.outer)]
-    front = right.scene.material.longitudinal_speed
-    edges = [speed for speed in edges if 0 < speed < math.inf]
-    for edge in edges:
-        far = [place for place in edges if abs(place - edge) > 2 * abs(size) * edge]
-        least = max(other for other in [0.0, front, *far] if other < edge)
-        most = min((other for other in [front, *far] if other > edge), default=math.inf)
-        if least < (1 + size) * edge < most < math.inf:
-            return _bent(right, [least, edge, most], [least, (1 + size) * edge, most])
-    return None
-
-
-def _bent(right: sf.Solution, old: list[float], new: list[float]) -> Profiled:
-    """Bend the velocities of a solution between the first and the last of the old ones."""
-
-    def bent(velocity: Array) -> Array:
-        inside = (velocity > old[0]) & (velocity < old[-1])
-        return np.where(inside, np.interp(velocity, old, new), velocity)
-
-    table, ends = profiled(right), bent(right.edge_speeds)
-    zones = tuple(
-        SlipZone(float(inner), float(outer), zone.sense)
-        for (inner, outer), zone in zip(ends, right.zones, strict=True)
-    )
-    openings = tuple(
-        OpenZone(*bent(np.array([part.inner, part.outer])).tolist()) for part in table.openings
-    )
-    return replace(table, velocities=bent(table.velocities), zones=zones, openings=openings)
-
-
-Make = Callable[[float, float], Callable[[sf.Solution], Answer | None]]
-MISTAKEN_SCENES: Mapping[str, Callable[[float, sf.Scene], sf.Scene]] = {
+MISTAKEN_SCENES: Mapping[str, Callable[[sf.Scene], sf.Scene]] = {
     "friction +3 %": partial(_friction, 0.03),
     "friction -3 %": partial(_friction, -0.03),
     "ν +0.01": partial(_ratio, 0.01),
-    "ν -0.01": partial(_ratio, -0.01),
-    "base shear forgotten": lambda _, scene: replace(
+    "ν -0.004": partial(_ratio, -0.004),
+    "base shear forgotten": lambda scene: replace(
         scene, base=sf.Tractions(scene.superposition.in_place.pressure, 0.0), load_on=SLOT
     ),
 }
-"""Mistakes about the scene, by a share of the usual size."""
-_SELF_SIMILAR: Mapping[str, Make] = {
-    "edge +2 %": lambda share, step: partial(_first_bent, "zones", 0.02 * share),
-    "edge -2 %": lambda share, step: partial(_first_bent, "zones", -0.02 * share),
-    "opening +2 %": lambda share, step: partial(_first_bent, "openings", 0.02 * share),
-    "opening -2 %": lambda share, step: partial(_first_bent, "openings", -0.02 * share),
-    "gap +3 %": lambda share, step: partial(_with_gap_times, 1 + 0.03 * share),
-    "gap -3 %": lambda share, step: partial(_with_gap_times, 1 - 0.03 * share),
-    "no opening": lambda share, step: partial(_with_gap_times, 0.0),
-    "no second zone": lambda share, step: partial(_second_zone_times, 0.0),
-    "second zone reversed": lambda share, step: partial(_second_zone_times, -1.0),
-    "all slip reversed": lambda share, step: _backward,
-    "a step late": lambda share, step: lambda right: replace(profiled(right), lag=share * step),
+_DISTORTED: Mapping[str, Mapping[str, Any]] = {
+    "speeds +0.5 %": {"stretch": 1.005},
+    "speeds -0.5 %": {"stretch": 0.995},
+    "motion +1 %": {"motion": 1.01},
+    "motion reversed": {"motion": -1.0},
+    "gap +3 %": {"apart": 1.03},
+    "no opening": {"apart": 0.0},
+    "no second zone": {"in_zone": (1, 0.0)},
+    "second zone reversed": {"in_zone": (1, -1.0)},
+    "a step late": {"lag": 1.0},
 }
-"""Mistakes of a self-similar answer, by a share of the usual size and a time step."""
-MISTAKES = (*MISTAKEN_SCENES, *_SELF_SIMILAR)
+MISTAKES = (*MISTAKEN_SCENES, *_DISTORTED)
 
 
-def spoilt(mistake: str, right: Answer, step: float, share: float = 1.0) -> Answer | None:
-    """Return an answer with a mistake of a share of its usual size; None where it makes no sense.
+def spoilt(mistake: str, right: Answer, step: float) -> Any:
+    """Return an answer with a mistake; None where it makes no sense.
 
     `step` is the time step of the simulation [time].
     """
-    try:
-        if mistake in MISTAKEN_SCENES:
-            return _of_another_scene(MISTAKEN_SCENES[mistake](share, right.scene), right)
-        if isinstance(right, sf.Solution):
-            return _SELF_SIMILAR[mistake](share, step)(right)
+    if mistake in MISTAKEN_SCENES:
+        with suppress(sf.SceneError, sf.TensionError):  # no such base or load, or it opens
+            return _of_another_scene(MISTAKEN_SCENES[mistake](right.scene), right)
+    if not isinstance(right, sf.Solution) or mistake in MISTAKEN_SCENES:
         return None
-    except sf.SceneError:  # no such material, base or load, or the contact opens
+    given = dict(_DISTORTED[mistake])
+    if ("apart" in given and not right.openings) or ("in_zone" in given and len(right.zones) < 2):
         return None
+    return Distorted(right, **{**given, "lag": step * given.get("lag", 0.0)})
 
-
-# --- simulations ----------------------------------------------------------------------------------
 
 PLACE = 0.3
 """Position on the contact, over c_t T, of a single node that is at fault."""
+LOADED = 0.05
+"""How much larger than the load of a scene is that whose simulation is mixed with its own."""
+_FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+_SLOT = ("velocity_x", "velocity_y")
+_WORN = ("slip_after", "final_path", "final_work_density")
 
 
 def _field(name: str, factor: float, node: bool, run: Simulation) -> Simulation | None:
-    """Multiply a field, or its values at one node, and leave the companions as they are."""
+    """Multiply a field, or its values at one node."""
     seen = run.interface
     values = getattr(seen, name).copy()
     place = PLACE * run.scene.material.shear_speed * run.end_time
@@ -272,21 +160,6 @@ def _field(name: str, factor: float, node: bool, run: Simulation) -> Simulation 
     if np.array_equal(values, getattr(seen, name)):
         return None
     return replace(run, interface=replace(seen, **{name: values}))
-
-
-def _moves_more(factor: float, run: Simulation) -> Simulation | None:
-    """Multiply all slip on all meshes by a factor, as a wrong modulus would."""
-    seen = run.interface
-    if not seen.slip.any():
-        return None
-    return replace(
-        run,
-        interface=replace(seen, slip=factor * seen.slip, slip_rate=factor * seen.slip_rate),
-        slip_after=factor * run.slip_after,
-        final_path=factor * run.final_path,
-        final_work_density=factor * run.final_work_density,
-        companion=run.companion and _moves_more(factor, run.companion),
-    )
 
 
 def _not_a_number(run: Simulation) -> Simulation:
@@ -300,12 +173,108 @@ FAULTS: Mapping[str, Callable[[Simulation], Simulation | None]] = {
     "slip × 1.05": partial(_field, "slip", 1.05, False),
     "slip rate × 1.02": partial(_field, "slip_rate", 1.02, False),
     "pressure × 1.02": partial(_field, "pressure", 1.02, False),
-    "motion × 1.03": partial(_moves_more, 1.03),
     "node × 10, slip rate": partial(_field, "slip_rate", 10.0, True),
     "node × 10, slip": partial(_field, "slip", 10.0, True),
     "node × 10, shear": partial(_field, "shear_traction", 10.0, True),
     "node × 10, pressure": partial(_field, "pressure", 10.0, True),
     "not a number": _not_a_number,
 }
-"""Faults of the finest mesh alone, but for the motion, which is too large on all meshes; a fault
-that changes nothing gives None."""
+
+
+def _times(factor: float, part: Any, *names: str) -> dict[str, Any]:
+    return {name: factor * getattr(part, name) for name in names}
+
+
+def _scaled(run: Simulation, size: float) -> Simulation:
+    """Multiply slip, gap, slip rate and what follows from them by 1 + size."""
+    seen = replace(run.interface, **_times(1 + size, run.interface, "slip", "slip_rate", "gap"))
+    return replace(run, interface=seen, **_times(1 + size, run, *_WORN))
+
+
+def _later(lag: float, part: Any, *names: str) -> dict[str, Any]:
+    """Fields of a part that are late by a lag [time], to first order."""
+    fields = {name: getattr(part, name) for name in names}
+    return _apart({n: one - lag * np.gradient(one, part.t, axis=0) for n, one in fields.items()})
+
+
+def _apart(fields: dict[str, Any]) -> dict[str, Any]:
+    return {n: np.maximum(one, 0.0) if n == "gap" else one for n, one in fields.items()}
+
+
+def _late(run: Simulation, size: float) -> Simulation:
+    """Let everything happen later by a part of the end time, to first order."""
+    seen, lag = run.interface, size * run.end_time
+    after = run.time_step * np.arange(1, len(run.slip_after) + 1)
+    slip = np.concatenate([seen.slip, run.slip_after])
+    slip = slip - lag * np.gradient(slip, np.concatenate([seen.t, seen.t[-1] + after]), axis=0)
+    rate, traction = np.abs(seen.slip_rate[-1]), np.abs(seen.shear_traction[-1])
+    return replace(
+        run,
+        interface=replace(seen, slip=slip[: len(seen.t)], **_later(lag, seen, *_FIELDS[1:])),
+        slip_after=slip[len(seen.t) :],
+        final_path=run.final_path - lag * rate,
+        final_work_density=run.final_work_density - lag * rate * traction,
+        slot=replace(run.slot, **_later(lag, run.slot, *_SLOT)),
+    )
+
+
+def mixed(usual: Simulation, more: Simulation, run: Any, size: float) -> Any:
+    """Add to a run what a load larger by a size changes; `more` has one larger by `LOADED`."""
+
+    def added(part: Any, of: Any, other: Any, names: tuple[str, ...]) -> Any:
+        changed = {name: getattr(other, name) - getattr(of, name) for name in names}
+        return _apart({n: getattr(part, n) + size / LOADED * changed[n] for n in names})
+
+    seen = replace(run.interface, **added(run.interface, usual.interface, more.interface, _FIELDS))
+    slot = replace(run.slot, **added(run.slot, usual.slot, more.slot, _SLOT))
+    return replace(run, interface=seen, slot=slot, **added(run, usual, more, _WORN))
+
+
+def loaded(scene: sf.Scene) -> sf.Scene | None:
+    """Return a scene whose load is larger by `LOADED`; None if there is none."""
+    given = {name: getattr(scene.load, name, None) for name in ("pressure", "shear", "stress")}
+    larger = {name: (1 + LOADED) * value for name, value in given.items() if value}
+    with suppress(sf.SceneError):
+        return replace(scene, load=replace(scene.load, **larger)) if larger else None
+    return None
+
+
+def _line_scaled(run: LineSimulation, size: float) -> LineSimulation:
+    return replace(run, **_times(1 + size, run, "slip", "slip_rate", "gap", "window_slip"))
+
+
+def _line_late(run: LineSimulation, size: float) -> LineSimulation:
+    lag = size * float(run.t[-1])
+    past = np.gradient(run.slip_rate, run.t, axis=0)[:, None]
+    half = np.diff(run.window)[:, None] / 2 * np.array([-1.0, 1.0])[:, None]
+    return replace(
+        run,
+        **_later(lag, run, "slip_rate", "shear_traction", "pressure", "strength", "gap"),
+        slip=run.slip - lag * run.slip_rate,
+        window_slip=run.window_slip - lag * (run.slip_rate[:, None] + half * past),
+    )
+
+
+def _line_field(name: str, factor: float, run: LineSimulation) -> LineSimulation | None:
+    """Multiply a field at one node and time of the contact, where it is at least a twentieth of its
+    largest value; None where it is nothing."""
+    values = getattr(run, name).copy()
+    size = np.where(run.touching, np.abs(values), 0.0)
+    if not size.any():
+        return None
+    places = np.argwhere(size > size.max() / 20)
+    level, node = places[np.random.default_rng(run.steps).integers(len(places))]
+    values[level, node] *= factor
+    return replace(run, **{name: values})
+
+
+LINE_FAULTS: Mapping[str, Callable[[LineSimulation], LineSimulation | None]] = {
+    f"node × {factor:g}, {name.replace('_', ' ')}": partial(_line_field, name, factor)
+    for name in ("slip_rate", "slip", "shear_traction", "pressure")
+    for factor in (10.0, 0.5)
+}
+RUNS: Mapping[bool, Mapping[str, Callable[[Any, float], Any]]] = {
+    True: {"scaled": _scaled, "late": _late},
+    False: {"scaled": _line_scaled, "late": _line_late},
+}
+"""What makes one run of a scene (True) or of an interface wrong by a size."""

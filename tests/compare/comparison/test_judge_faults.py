@@ -10,30 +10,21 @@ from compare_cases import differing, named, simulated
 from compare import judge
 from compare.comparison.case import Case
 from compare.comparison.fields.fronts import jump_times
+from compare.comparison.judging import FEW
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import planned, predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
-from compare.comparison.rows import AWAY
+from compare.comparison.rows import AWAY, REST
 from docs.studies.trials.wrong_answers import FAULTS
 from fem import simulate, with_companions
-from semianalytic import Coulomb, Material, RateWeakening, Scene, Tabulated, Tractions
+from semianalytic import Coulomb, IncidentWave, Material, RateWeakening, Scene, Tabulated, Tractions
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
 
 ROCK = Material(1.0, 1.0, 0.25)
 PRELOADED, SHOCK = find_scene("preloaded"), find_scene("remote-shock")
-
-
-def beside(scene, *places):
-    """Points of the map of friction and Poisson ratio around a scene."""
-    return {
-        f"f = {friction:g}, nu = {ratio:.3g}": override_scene(
-            scene, friction=friction, poisson_ratio=ratio
-        )
-        for friction, ratio in places
-    }
 
 
 def judged(scene, resolution=None):
@@ -43,34 +34,14 @@ def judged(scene, resolution=None):
     return judge(prediction or predict_like(run), run)
 
 
-BRIDGED = beside(
-    PRELOADED,
-    *((friction, 1 / 3) for friction in (0.24, 0.25, 0.26)),
-    *((0.2, 0.29), (0.21, 0.29), (0.3, 0.4), (0.22, 0.3)),
-) | {"remote-shock": override_scene(SHOCK, friction=1.23)}
-"""Scenes that were said to differ."""
-
-
-class TestGapsThatCoarserMeshesBridge:
-    """Two zones with a gap narrower than the mesh at 2h shows: its edges are unresolved."""
-
-    def check(self, scene, resolution=None):
-        judgement = judged(scene, resolution)
-        assert differing(judgement) == []
-        assert judgement.verdict == "agrees"
-        return judgement
-
-    @pytest.mark.slow
-    def test_the_first_that_was_found_agrees(self):
-        rows = named(self.check(BRIDGED["f = 0.25, nu = 0.333"]))
-        for edge in ("zone 1, outer edge", "zone 2, inner edge"):
-            assert rows[edge].obstacle.startswith("the gap to the next zone is 0.024 c_t T wide")
-            assert rows[edge].resolution > 300
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("name", BRIDGED)
-    def test_neighbours_agree_at_the_mesh_of_the_command(self, name):
-        self.check(BRIDGED[name])
+@pytest.mark.slow
+def test_edges_of_a_gap_that_coarser_meshes_bridge_are_unresolved():
+    judgement = judged(override_scene(PRELOADED, friction=0.25))
+    assert judgement.verdict == "agrees"
+    for edge in ("zone 1, outer edge", "zone 2, inner edge"):
+        row = named(judgement)[edge]
+        assert row.obstacle.startswith("the gap to the next zone is 0.024 c_t T wide")
+        assert row.resolution > 300
 
 
 class TestSlipThatIsLittleOfWhatDrivesIt:
@@ -86,6 +57,18 @@ class TestSlipThatIsLittleOfWhatDrivesIt:
     def test_a_third_more_slip_differs(self):
         other = judge(solved(replace(self.SCENE, friction=0.2)), simulated(self.SCENE, 100))
         assert other.verdict == "differs"
+
+
+def test_slip_on_too_few_nodes_to_tell_its_rate_is_left_to_tractions():
+    """A zone of eight elements beside the edge, of which four are left out: its slip rate has no
+    bar, which does not keep tractions and its edge from agreeing."""
+    wave = IncidentWave("SH", -66.0, stress=-0.166, from_="above")
+    scene = Scene(ROCK, 0.4, Tractions(1.0, 0.0), wave, mode="antiplane")
+    judgement = judged(scene, 540)
+    assert judgement.verdict == "agrees"
+    assert judgement.basis == REST
+    assert judgement.quoted.startswith("shear traction")
+    assert named(judgement)["slip rate over (x, t), L1"].obstacle == FEW
 
 
 class TestOpeningsThatNoMeshShows:
@@ -104,24 +87,6 @@ class TestOpeningsThatNoMeshShows:
         for name in ("gap, L1", "opening 1, outer edge"):
             assert rows[name].verdict == "unresolved", name
             assert rows[name].resolution > 60
-
-    @pytest.mark.slow
-    def test_the_mesh_of_the_command_shows_it(self):
-        assert judged(self.SCENE).verdict == "agrees"
-
-    @pytest.mark.slow
-    @pytest.mark.parametrize("step", [-0.2, -0.25, -0.3, -0.4, -0.6])
-    def test_narrower_and_wider_ones_do_not_differ(self, step):
-        assert differing(judged(replace(self.SCENE, load=Tractions(step, 0)), 60)) == []
-
-
-class TestFrictionlessSlipBehindTheFirstWave:
-    """Slip that grows from nothing behind the P front: all meshes slip a little early."""
-
-    @pytest.mark.slow
-    def test_parts_of_maps_agree(self):
-        scene = Scene(Material(1, 1, 0.29), 0.0, Tractions(1, 0), Tractions(-0.0368, 1.78))
-        assert differing(judged(scene, 100)) == []
 
 
 def own(run):
@@ -208,7 +173,7 @@ class TestLevelsThatAreStoredFarApart:
         assert judge(right, run).verdict == "agrees"
         faults = {fault: make(run) for fault, make in FAULTS.items()}
         assert judge(right, faults["slip × 1.05"]).verdict != "agrees"
-        for fault in ("shear reversed", "motion × 1.03", "node × 10, slip", "node × 10, shear"):
+        for fault in ("shear reversed", "node × 10, slip", "node × 10, shear"):
             assert judge(right, faults[fault]).verdict == "differs", fault
 
     def test_a_front_that_no_level_shows_is_unresolved(self):

@@ -25,7 +25,16 @@ from compare.comparison.mesh_choice import (
 from fem import cost, simulate
 from fem.budget import machine_pace as measured_pace
 from fem.resolution import WEAKENING_ELEMENTS, weakening_caution
-from semianalytic import Harmonic, Material, Pulse, Scene, SceneError, SlipWeakening, Tractions
+from semianalytic import (
+    Harmonic,
+    Material,
+    Pulse,
+    RateWeakening,
+    Scene,
+    SceneError,
+    SlipWeakening,
+    Tractions,
+)
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
@@ -344,3 +353,23 @@ def test_the_pace_of_a_machine_counts_what_others_leave_of_it(monkeypatch):
 def test_a_scene_without_a_load_gets_the_usual_mesh():
     still = replace(find_scene("stuck"), load=Tractions(0.0, 0.0))
     assert choose_mesh(solved(still), still).resolution == USUAL
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "damping"),
+    [("preloaded", {}, 0.02), ("pair-slip", {}, 0.1), ("pair-slip", {"damping": 0.05}, 0.05)],
+)
+def test_waves_of_a_few_elements_are_damped_where_they_may_grow(name, given, damping):
+    scene = find_scene(name)
+    assert choose_mesh(None, scene, resolution=40, **given).damping == damping
+    falling = replace(find_scene("preloaded"), friction=RateWeakening(0.5, 0.3, 1.0))
+    assert choose_mesh(None, falling, resolution=40).damping == 0.1
+
+
+def test_marches_and_their_fields_are_counted(monkeypatch):
+    """25 s of an idle core for `ramp` with snapshots, 9.5 s for `preloaded`."""
+    monkeypatch.undo()
+    monkeypatch.setattr(fem.budget, "machine_pace", lambda: 1.0)
+    for name, seconds in (("ramp", 25.0), ("preloaded", 9.5)):
+        choice = choose_mesh(None, find_scene(name), resolution=100, snapshots=True)
+        assert seconds / 1.3 < choice.seconds < 1.3 * seconds

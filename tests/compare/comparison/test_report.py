@@ -1,5 +1,6 @@
 """What is written of a judgement and a solution, with units; what a case reads off meshes."""
 
+import html
 import json
 import math
 from dataclasses import replace
@@ -17,7 +18,7 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.judging import mesh_changes
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
-from compare.comparison.report import report_document, write_report
+from compare.comparison.report import report_document, write_page, write_report
 from compare.comparison.scales import reference_values
 from semianalytic import Material, Scene, SlipWeakening, Tractions, solve
 from semianalytic.parameters.overriding import override_scene
@@ -59,6 +60,20 @@ def test_document_is_written_as_json_and_complete(thin_gap, tmp_path):
     assert document["finite_elements"]["companions"] == [20, 10]
     assert document["semianalytic"]["scene"]["friction"] == 0.15
     assert document["method"] == "self-similar"
+
+
+def test_one_page_holds_the_verdict_reasons_and_figures(thin_gap, tmp_path):
+    figure = tmp_path / "a.png"
+    figure.write_bytes(b"picture")
+    write_page(thin_gap, "<thin>", tmp_path / "page.html", [figure, tmp_path / "b.pdf"])
+    page = (tmp_path / "page.html").read_text()
+    assert page.startswith("<!DOCTYPE html>")
+    assert f"<h1>&lt;thin&gt;: {thin_gap.said}</h1>" in page
+    assert 'src="data:image/png;base64,cGljdHVyZQ=="' in page
+    assert '<a href="b.pdf">' in page
+    for row in thin_gap.rows:
+        assert html.escape(row.name) in page
+        assert html.escape(row.obstacle) in page
 
 
 def test_an_unresolved_row_says_in_the_document_why_and_what_would_do(thin_gap):

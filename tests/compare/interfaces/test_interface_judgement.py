@@ -37,7 +37,15 @@ def judged():
 def test_different_bodies_agree(judged):
     assert judged.verdict == "agrees"
     rows = {row.kind: row for row in judged.rows}
-    assert set(rows) == {"slip", "slip rate", "shear traction", "pressure", "local", "law"}
+    assert set(rows) == {
+        "slip",
+        "slip rate",
+        "shear traction",
+        "pressure",
+        "zone edge",
+        "local",
+        "law",
+    }
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
@@ -142,6 +150,23 @@ def test_no_node_of_the_finest_mesh_is_left_out(judged, spoil, what):
     finest, *coarser = judged.case.simulations
     wrong = judge_interface(judged.prediction, [spoil(*SPOILT[what])(finest), *coarser])
     assert wrong.verdict == "differs"
+
+
+def test_stored_strength_is_that_of_the_law_and_carried_where_the_contact_slides(judged):
+    """At one node and time of those that slide."""
+    finest, *coarser = judged.case.simulations
+    slides = np.isclose(finest.strength, np.abs(finest.shear_traction), rtol=1e-12)
+    fast = np.where(slides & finest.touching, np.abs(finest.slip_rate), 0.0)
+    place = np.unravel_index(np.argmax(fast), fast.shape)
+    for field, times, row in (
+        ("pressure", 10, "strength against pressure"),
+        ("shear_traction", 0.5, "traction below friction"),
+        ("shear_traction", 2, "traction beyond friction"),
+    ):
+        values = getattr(finest, field).copy()
+        values[place] *= times
+        wrong = judge_interface(judged.prediction, [replace(finest, **{field: values}), *coarser])
+        assert row in [one.name for one in wrong.having("differs")]
 
 
 def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
@@ -274,5 +299,5 @@ def test_an_interface_on_which_nothing_happens_agrees(tmp_path, capsys):
     )
     main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert shown.startswith("Verdict: agrees (2 agrees).")
+    assert shown.startswith("Verdict: agrees (4 agrees).")
     assert "Nothing slips or opens in either answer, and no traction changes." in shown

@@ -138,7 +138,7 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(shown):
     said = shown("compare --resolution 20 --frames 1 --friction 1")
     folder = Path("results/preloaded-friction-1")
     names = {path.name for path in folder.iterdir()}
-    kept = {"report.json", "simulation.h5", "snapshots"}
+    kept = {"report.html", "report.json", "simulation.h5", "snapshots"}
     assert names == COMPARISON_FIGURES | COMPARED_FIELDS | kept
     assert f"{folder}/" in said.out
     assert "mesh size" in said.err

@@ -166,7 +166,8 @@ def test_compare_judges_two_bodies(printed, refused, shown, folder, monkeypatch)
     assert "gap, L1" in rows
     written = {path.name for path in (folder / "out").iterdir()}
     names = ("slip_rate", "tractions", "fronts", "sense", "history", "wear", "gap")
-    assert written == {"report.json", "simulation.h5", *(f"{name}.png" for name in names)}
+    kept = {"report.html", "report.json", "simulation.h5"}
+    assert written == kept | {f"{name}.png" for name in names}
     for line in (
         "compare preloaded --from out",
         "compare two.toml --from out --lower-density 3",
