@@ -60,9 +60,10 @@ class Segment:
 
     def between(self, start: float, end: float) -> Segment:
         """Return the steps from a level on until an even level reaches the end [time]."""
-        pairs, rounding = self.levels[::2], 1e-9 * self.time_step
-        first, last = (2 * int(np.searchsorted(pairs, at - rounding)) for at in (start, end))
-        return replace(self, first=min(first, self.whole), last=min(last, self.whole))
+        # times that are rounded count as their level
+        pairs = (math.ceil((at - self.begin) / (2 * self.time_step) - 1e-9) for at in (start, end))
+        first, last = (min(max(2 * pair, 0), self.whole) for pair in pairs)
+        return replace(self, first=first, last=last)
 
 
 def segments_between(

@@ -83,7 +83,7 @@ def test_two_edges_against_the_exact_solver():
 def test_cattaneo_and_mindlin_in_the_slow_limit():
     """Stick |x| < c of a contact |x| < 1 under uniform pressure, on a periodic line of 8."""
     found = sf.find("cattaneo")
-    done = one_run(found.interface, found.end_time, 256, step_ratio=0.5, times=[62.0])
+    done = one_run(found, 62.0, 256, step_ratio=0.5, times=[62.0])
     tan = lambda x: np.tan(np.pi * x / 8)  # noqa: E731
     edge = 8 / np.pi * np.arccos(np.cos(np.pi / 8) / np.cos(np.pi * 0.15 / 2))
     assert edge == pytest.approx(0.807586, abs=1e-6)

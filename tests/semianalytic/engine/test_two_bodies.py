@@ -331,9 +331,8 @@ def test_rate_and_state_between_two_bodies_needs_no_short_steps():
 @pytest.mark.slow
 def test_steel_on_rubber_is_resolved_under_its_delay_and_refused_without():
     found = sf.find("steel-on-rubber")
-    done = sf.solve(found.interface, end_time=found.end_time, nodes=256)
+    done = sf.solve(found, nodes=256)
     assert done.status == "done"
     assert done.error_estimates["slip"] < 0.2
-    sudden = replace(found.interface, law=sf.Coulomb(0.5))
     with pytest.raises(sf.SceneError, match="no friction is too low"):
-        sf.solve(sudden, end_time=found.end_time, nodes=256)
+        sf.solve(replace(found, friction=0.5), nodes=256)

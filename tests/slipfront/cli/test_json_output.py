@@ -77,7 +77,7 @@ def test_benchmark_fits_its_schema(printed):
     assert printed("benchmark show tap")["units"]["answers"]["pressure"] == "stress"
     shown = printed("benchmark show tpv101")
     assert shown["units"]["answers"]["shear_traction"] == "Pa"
-    assert "rate-and-state" in shown["sheet"]["scene"]["interface"]
+    assert shown["sheet"]["scene"]["friction_law"]["kind"] == "rate-and-state"
     written = printed("benchmark export out stuck")["files"]
     assert "out/stuck/stuck.md" in written
     assert all(Path(path).is_file() for path in written)
