@@ -20,7 +20,6 @@ from semianalytic.results.answer import (
 )
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.saved import SOLVED, SavedScene, write_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -65,6 +64,8 @@ class Gridded:
         DataFileError
             If the file cannot be written.
         """
+        from semianalytic.results.saved import SOLVED, SavedScene, write_answer
+
         write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
 
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.results.datasets import dataset
-from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
 
@@ -74,6 +73,8 @@ class InterfaceHistory:
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; the file appears under its name only when it is complete."""
         # Fields ahead of the waves are constant, and half of most histories is ahead of the waves.
+        from semianalytic.results.saved import write_answer  # most answers are not saved
+
         write_answer(path, FORMAT, self, compression=4)
 
     def to_xarray(self) -> Any:
@@ -96,5 +97,7 @@ class InterfaceHistory:
         DataFileError
             If the file is missing, damaged or not an interface history.
         """
+        from semianalytic.results.saved import read_answer
+
         instead = "a file written by `slipfront simulate`"
         return read_answer(path, FORMAT, cls, instead, "simulate again")

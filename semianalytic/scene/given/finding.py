@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Mapping
 from functools import partial
 from os import PathLike, fspath
@@ -12,7 +11,6 @@ from pathlib import Path
 from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.files import read_scene, scene_of_file
 from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
@@ -85,10 +83,10 @@ def find(source: str | PathLike[str]) -> Scene:
     named = NAMED_SCENES.get(source)
     if named is not None:
         return named.scene
-    if is_file(source):
-        return read_scene(source)
-    if source in NAMED_LINES:
-        return scene_of_file(tomllib.loads(NAMED_LINES[source]), source)
+    if is_file(source) or source in NAMED_LINES:
+        from semianalytic.scene.given.files import named_line, read_scene  # most scenes are named
+
+        return read_scene(source) if is_file(source) else named_line(source)
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)

@@ -15,7 +15,6 @@ from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import beyond_similarity
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.line.contact import Adhesion, Contact
-from semianalytic.scene.line.fields import check_field
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loading import REMOTE, WITHOUT_SLOT, Tractions
 from semianalytic.scene.loads import LoadHistory, Step
@@ -111,6 +110,8 @@ class AlongLine:
 
     def _check_line(self) -> None:
         """Raise SceneError unless everything that is marched along a line is admissible."""
+        from semianalytic.scene.line.fields import check_field  # most scenes have no fields
+
         for what, value in (
             ("base pressure", self.base.pressure),
             ("base shear", self.base.shear),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,9 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.sampling import sampled
-from semianalytic.scene.tables.columns import Column, Tables
-from semianalytic.scene.tables.units import EXAMPLES
+
+if TYPE_CHECKING:
+    from semianalytic.scene.tables.columns import Column
 
 Array = NDArray[np.float64]
 
@@ -114,11 +115,15 @@ class Table(Alike):
         SceneError
             If the file cannot be read, or a number or a unit is not known.
         """
+        from semianalytic.scene.tables.columns import Tables  # most scenes read no table
+
         return cls.of_columns(path, *Tables().pair(path, column))
 
     @classmethod
     def of_columns(cls, path: str | PathLike[str], along: Column, column: Column) -> Table:
         """Return the table of two columns of a file, as `read` does."""
+        from semianalytic.scene.tables.units import EXAMPLES
+
         x, values = along.numbers(path, ("length",)), column.numbers(path, EXAMPLES)
         if len(x) < 2:
             raise SceneError(f"{path}: a table must have a header and two lines or more.")

@@ -14,7 +14,6 @@ from semianalytic.scene.checks import among, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
-from semianalytic.scene.line.fields import check_field
 from semianalytic.scene.loads import LoadHistory, Step
 
 Array = NDArray[np.float64]
@@ -68,6 +67,8 @@ class InterfaceLoad(Alike):
             )
         if self.on is not None and not among(self.on, ("line", "slot")):
             raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
+        from semianalytic.scene.line.fields import check_field
+
         for name in ("shear", "pressure"):
             given = getattr(self, name)
             check_field(f"load: {name}", given)
