@@ -1,4 +1,4 @@
-"""Named scenes by both methods: the tables of docs/scenes_compared.md and the figures of docs/scenes.md.
+"""Named scenes by both methods: docs/scenes_compared.md, and the figures of docs/scenes.md.
 
 ``python -m docs.studies.accuracy.scenes --output docs`` writes the tables;
 ``python -m docs.studies.accuracy.scenes figures`` draws docs/figures/scene_NAME.png.
