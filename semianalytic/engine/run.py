@@ -23,6 +23,7 @@ from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.arguments import taking_quantities
 from semianalytic.scene.checks import checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
@@ -184,6 +185,7 @@ def _half(
     return lambda one: _one(one, end_time, done.nodes // 2, options, settings, None, None)
 
 
+@taking_quantities
 @wraps(run)  # a scene says some of its settings itself
 def solve(scene: Scene, **settings: Any) -> Run:
     """March a scene as `run` does, with its own settings where others are not given."""

@@ -158,7 +158,7 @@ def _trials(
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     found = find(given) if isinstance(given, str | PathLike) else given
-    if isinstance(found, Scene) and found.on_line:
+    if isinstance(found, Scene) and is_fitted_on_line(found):
         # here, for fits of scenes are to be quick to import
         from semianalytic.inversion.on_line import line_trials, number_name, plain_name
 
@@ -195,3 +195,8 @@ def _check_priors(
     samples = sum(len(one.t) for one in gauges)
     least = f"be at least that of parameters, {len(names)}"
     checked_number("fit: the number of samples", samples, least, lambda n: n >= len(names))
+
+
+def is_fitted_on_line(scene: Scene) -> bool:
+    """Return whether trials of a scene are marches along a line: where no exact answer is known."""
+    return bool(scene.on_line) or (scene.kind == "Scene" and not scene.is_self_similar)

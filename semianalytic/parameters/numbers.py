@@ -6,6 +6,7 @@ numbers of the upper body have no prefix.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
@@ -58,7 +59,9 @@ class Number:
 def spelled(given: str) -> str:
     """Return a name that is spelled as in TOML, dotted, or with underscores, with underscores."""
     name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
-    return name.replace("lower_material_", "lower_")
+    name = name.replace("lower_material_", "lower_")
+    # the coefficient at rest goes by one name, whatever a law calls it
+    return re.sub("^friction_law_(friction|static)", "friction", name)
 
 
 def numbers_of(scene: Any) -> dict[str, Number]:

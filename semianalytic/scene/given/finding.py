@@ -36,8 +36,8 @@ def check_slot(what: str, scene: Scene) -> None:
     if scene.on_line:
         raise SceneError(
             f"{what}: this knows a slot beside a contact alone, and the scene has {scene.on_line}, "
-            "which is marched along a line; use slipfront solve, or `solve` in Python "
-            "(docs/engine.md)."
+            "which is marched along a line; use slipfront solve or compare, or `solve` in "
+            "Python (docs/engine.md)."
         )
     if not scene.has_slot or scene.grows:
         raise SceneError(

@@ -34,7 +34,12 @@ def sampled(
         raise SceneError(
             f"{what} must be a number, a function of x or a Table, got {shown(field)}."
         )
-    values = np.asarray(field(x), dtype=float)
+    try:
+        values = np.asarray(field(x), dtype=float)
+    except TypeError as error:  # of a function of other arguments
+        raise SceneError(
+            f"{what} must be a function of x alone ({error}); a load of x and t has history=None."
+        ) from error
     if values.shape not in ((), x.shape):
         raise SceneError(
             f"{what}: the function of x must return {len(x)} numbers, got shape {values.shape}."

@@ -172,7 +172,8 @@ class AlongLine:
             ):
                 raise SceneError(
                     "scene: loads of a line must be InterfaceLoads, tractions, incident waves or "
-                    f"moving loads, got {shown(load)}; give others as functions of x and t."
+                    f"moving loads, got {shown(load)}; give others as an InterfaceLoad of a "
+                    "function of x and t, with history=None."
                 )
             slots = not self.contact.is_whole
             if isinstance(load, InterfaceLoad) and load.on is None and slots:

@@ -15,10 +15,12 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.loads import LoadHistory, Step
+from semianalytic.scene.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
 
+@with_quantities
 @dataclass(frozen=True, eq=False)
 class InterfaceLoad(Alike):
     """Tractions that act from t = 0 on: fields along x times a history of time.
@@ -121,6 +123,7 @@ class InterfaceLoad(Alike):
         return []
 
 
+@with_quantities
 @dataclass(frozen=True, eq=False)
 class FrontLoad(Alike):
     """A plane wave that arrives at an angle, or a load that moves, as one of several loads.

@@ -18,7 +18,7 @@ from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
 from semianalytic.inversion.fitted import Fit
-from semianalytic.inversion.fitting import fit
+from semianalytic.inversion.fitting import fit, is_fitted_on_line
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.on_line import number_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
@@ -113,7 +113,7 @@ def fit_command(
     require("slipfront fit", *(PLOT if plot else ()))
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
     scene = override_scene(find(scene_name), **overrides)
-    if scene.on_line:
+    if is_fitted_on_line(scene):
         names = tuple(number_name(scene, name) for name in names)
     else:
         check_slot(scene_name, scene)
@@ -319,7 +319,7 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
             raise _no_prior(text)
         name, kind = match[1].strip(), match[2].lower()
         # the second number of a log-normal prior is a factor
-        if scene.on_line:
+        if is_fitted_on_line(scene):
             name = number_name(scene, name)
         one = dimension(name, scene)
         kinds = one, "1" if kind == "lognormal" else one

@@ -301,3 +301,18 @@ def test_gauges_of_scenes_stand_on_the_contact():
         sf.SceneError, match="prior of 'friction_law_cohesion', which is not fitted"
     ):
         sf.fit([off], punch, "friction", priors={"friction_law.cohesion": Normal(0.4, 0.1)})
+
+
+@pytest.mark.slow
+def test_a_law_of_a_march_beside_a_slot_is_found():
+    """Trials along a line find what a march beside the slot was made with."""
+    base, load = sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)
+    slot = sf.Scene(SOLID, sf.SlipWeakening(0.6, 0.3, 0.5), base, load)
+    t, made = np.linspace(0.4, 1.0, 7), sf.solve(slot, end_time=1.0, nodes=400)
+    records = [
+        sf.Gauge(x=x, t=t, values=made.slip(x, t), noise=2e-3, quantity="slip") for x in (0.05, 0.2)
+    ]
+    guess = replace(slot, friction=sf.SlipWeakening(0.6, 0.4, 0.5))
+    found = sf.fit(records, guess, "friction_law.dynamic", nodes=512)
+    assert found.values[0] == pytest.approx(0.3, abs=3 * found.standard_errors[0])
+    assert found.standard_errors[0] < 0.01

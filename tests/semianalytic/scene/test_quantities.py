@@ -125,3 +125,12 @@ def test_numbers_with_units_as_typed(text, dimension, number):
     assert measure(text, dimension) == number
     with pytest.raises(sf.SceneError, match="a number"):
         measure(text + "?", dimension)
+
+
+def test_scenes_on_a_line_and_their_runs_take_quantities():
+    solid = sf.Material(30 * UNITS.GPa, 2700 * UNITS.kg / UNITS.m**3, 0.25)
+    base, pushed = sf.Tractions(10 * UNITS.MPa, 3 * UNITS.MPa), sf.InterfaceLoad(2 * UNITS.MPa)
+    scene = sf.Scene(solid, 0.4, base, pushed, contact=sf.Contact(), period=24 * UNITS.m)
+    assert (scene.units, scene.period, scene.load.shear) == ("SI", 24.0, 2e6)
+    run = sf.solve(scene, end_time=1 * UNITS.ms, nodes=64, estimate=False)
+    assert run.slip(3 * UNITS.cm, 0.5 * UNITS.ms) == run.slip(0.03, 5e-4) > 0
