@@ -48,12 +48,13 @@ if __name__ == "__main__":
 """
 
 ENTRY = """
-import sys
+import sys, time
 awaited = sys.argv.pop(1)
 class Teller:
     def find_spec(self, name, path=None, target=None):
         if name == awaited:
             print("ready", flush=True)
+            time.sleep(2)  # the signal comes while the module is imported, on any machine
 sys.meta_path.insert(0, Teller())
 from slipfront.cli.entry import main
 sys.exit(main())
