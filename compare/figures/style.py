@@ -154,6 +154,11 @@ def scene_words(scene: Scene) -> str:
     It gives bodies, friction, pressure and shear before the load, and the units of the axes,
     with their sizes in SI scenes.
     """
+    if scene.on_line:  # whose friction and tractions may vary along it
+        period = (
+            f"{scene.period:.4g} {unit('length', scene.units)}" if scene.units else scene.period
+        )
+        return f"ν = {scene.material.poisson_ratio:.4g},  on a line of period {period}: {scene.on_line}"
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
     numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 from compare.figures.interface import prediction_figure
 from compare.figures.saving import save_figure
-from compare.figures.style import BLUE, describe, new_figure, style_sheet, styled
+from compare.figures.style import BLUE, describe, new_figure, scene_words, style_sheet, styled
 from semianalytic import find, solve
+from semianalytic.scene.given.finding import names
 from slipfront.cli.commands import main
 
 SOLUTION = solve(find("preloaded"), rtol=1e-6)
@@ -156,3 +157,8 @@ def test_other_formats_are_refused_before_anything_is_done(command, tmp_path, mo
     assert main([*command.split(), "--figures", "docx"]) == 2
     assert re.search("--figures must be one of png, pdf, svg, got 'docx'", capsys.readouterr().err)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_named_scene_has_words_for_its_figure():
+    for name in names():
+        assert "ν = " in scene_words(find(name))
