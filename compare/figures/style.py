@@ -155,10 +155,9 @@ def scene_words(scene: Scene) -> str:
     with their sizes in SI scenes.
     """
     if scene.on_line:  # whose friction and tractions may vary along it
-        period = (
-            f"{scene.period:.4g} {unit('length', scene.units)}" if scene.units else scene.period
-        )
-        return f"ν = {scene.material.poisson_ratio:.4g},  on a line of period {period}: {scene.on_line}"
+        metre = f" {unit('length', scene.units)}" if scene.units else ""
+        period = f"{scene.period:.4g}{metre}: {scene.on_line}"
+        return f"ν = {scene.material.poisson_ratio:.4g},  on a line of period {period}"
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
     numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
