@@ -67,8 +67,8 @@ def rounded_up(count: float) -> str:
 def zone_at_edge(scene: Scene, end_time: float) -> float:
     """Return the longest slip zone at the edge that the stuck tractions cause until a time.
 
-    Its length is Dugdale's, (pi/8) (K / s)^2, where K is the excess of the stress intensity of a
-    stuck edge over friction and s the strength next to the edge; it is at most the distance that waves have travelled.
+    Its length is Dugdale's, (pi/8) (K / s)^2, with the excess K of the stress intensity of a stuck
+    edge over friction and the strength s next to the edge, and at most that of the waves.
 
     Parameters
     ----------
