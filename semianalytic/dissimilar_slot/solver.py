@@ -244,8 +244,8 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
         ahead = [w for w in growing_waves(interface.compliance, friction) if w.velocity > 0]
         if not ahead:
             raise SceneError(
-                f"scene: friction {interface.friction:.4g} makes the number of answers of this "
-                "interface other than one; lower it (docs/dissimilar.md)."
+                f"scene: friction {interface.friction:.4g} leaves this interface without an "
+                "answer, or with several; lower it (docs/dissimilar.md)."
             )
         wave, limit = ahead[0], growth_threshold(interface.compliance, sense)
         lower = (
