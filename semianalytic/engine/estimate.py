@@ -111,7 +111,7 @@ def estimated(
     if status == "done" and errors[name] > largest:
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
-    return replace(done, error_estimates=errors, status=status), tried
+    return replace(done, error_estimates=errors, status=status, companion=coarse), tried
 
 
 def deciding(done: Run, errors: Mapping[str, float]) -> str:
