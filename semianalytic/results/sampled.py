@@ -7,6 +7,7 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
