@@ -172,7 +172,7 @@ def too_short(scene: Scene, time: float) -> str:
         return ""
     return (
         f"unresolved: the contact ends with the period, at |x| = {end:.3g}, from where waves reach "
-        f"x = 0 at t = {end / speed:.3g}; use a `length` of {4 * speed * time:.3g} or more, or end "
+        f"x = 0 at t = {end / speed:.3g}; use a `period` of {4 * speed * time:.3g} or more, or end "
         "before that."
     )
 

@@ -141,7 +141,7 @@ class LineAnswer(Questions, Gridded):
         if beyond.size:
             raise SceneError(
                 f"this answer reaches to |x| = {half:.6g}, got {shown(float(beyond[0]))}; ask for "
-                "nearer positions, or compute it with a greater `length`."
+                "nearer positions, or compute it with a greater `period`."
             )
         place = np.abs(x) if self.scene.even else x
         off = x[~self.scene.contact.touches(place)]
