@@ -35,8 +35,6 @@ MOST_OFF = 0.1
 """Largest error of the work of stored levels, over that of all steps, with which they add up."""
 LEAST_SLIP = 1e-3
 """Slip over the largest one from which a node counts as one that has slipped."""
-FIXED = ("pressure", "gap")
-"""Fields that are exact where nothing opens and no load changes the pressure."""
 
 
 @asked_in_units
@@ -102,9 +100,9 @@ class LineAnswer(Questions, Gridded):
         if self.scene.may_open:
             return found
         # without a load that changes the pressure it is that of the base
-        values = {name: getattr(found, name).value for name in FIXED}
-        exact = {name: Measured(one, np.zeros(one.shape)) for name, one in values.items()}
-        return replace(found, **exact)
+        values = found.pressure.value, found.gap.value
+        pressure, gap = (Measured(one, np.zeros(one.shape)) for one in values)
+        return replace(found, pressure=pressure, gap=gap)
 
     def _known_around(self: Any, x: Array, step: float) -> tuple[Array, Array]:
         """Return between which places the part of the contact lies on which x is."""
