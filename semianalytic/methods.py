@@ -47,7 +47,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     Parameters
     ----------
     problem : Scene, str or path
-        What slips, or its name or file as for `find`.
+        The scene, or its name or file as for `find`.
     method : str
         "auto", or the name of a method (docs/methods.md).
     **settings

@@ -124,7 +124,7 @@ def self_similar_reading(
     """Return the reading of an exact answer.
 
     Edges are known up to `error_estimate` times a wave speed.  A field may be wrong by that share
-    of its scale, and by what it changes by if all edges are shifted so far: a square root beside an
+    of its scale, and by what it changes by if all edges are shifted so far: a square root near an
     edge is then as uncertain as the place of the edge makes it, and so is the logarithm at c_R.
 
     Parameters

@@ -22,7 +22,7 @@ SOLVED = "slipfront solution 1"
 
 @dataclass(frozen=True)
 class SavedScene:
-    """What an exact answer follows from.
+    """The scene and settings of an exact answer.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def read_answer(
     make : dataclass
         Class of the answer.
     instead, again : str
-        What to give in place of another file, and what to do if this one is damaged.
+        File to give in place of another one, and remedy if this one is damaged.
     **known
         Fields that the file lacks.
 

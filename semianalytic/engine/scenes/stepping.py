@@ -136,7 +136,7 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
 
     At a jump the value is that before it, but at the first level that after it.  Where several
     breaks of the history lie within the step around a level, the exact mean over that step is
-    taken (docs/spacetime.md, "What the grid resolves").
+    taken (docs/spacetime.md, "Resolution of the grid").
     """
     history = scene.shear_history
     loads, breaks = history.value(levels), np.array(history.pieces.breaks)

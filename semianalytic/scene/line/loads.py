@@ -143,7 +143,7 @@ class FrontLoad(Alike):
     history : LoadHistory
         Factor over the time since the front.
     at : float
-        Where the front is at t = 0 [length].  What it has passed is loaded from t = 0 on: a wave of
+        Where the front is at t = 0 [length].  The part behind it is loaded from t = 0 on: a wave of
         negative angle therefore begins at the end of the line, or of the contacts.
 
     Raises
