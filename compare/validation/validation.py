@@ -40,7 +40,7 @@ ONE_FACE = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Validation(HasRows[JudgedRow]):
     """Records against the exact answer, quantity by quantity.
 

@@ -115,8 +115,8 @@ class Scene(AlongLine):
     adhesion : Adhesion, optional
         Tension that the contact carries before it opens; none by default.
     run : mapping
-        Settings of the march along the line, such as end_time and nodes, where others are not
-        given to `solve`.  Scenes that differ only in them compare as equal.
+        Settings of a march, such as end_time and nodes, where others are not given to `solve`.
+        Scenes that differ only in them compare as equal.
 
     Raises
     ------

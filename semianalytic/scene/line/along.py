@@ -62,9 +62,7 @@ class AlongLine:
             given = getattr(self, name)
             if not isinstance(plain(given), Real) or given != usual:
                 return f"`{name}`"
-        return next(
-            (f"`{name}`" for name in ("even", "adhesion", "run") if getattr(self, name)), ""
-        )
+        return next((f"`{name}`" for name in ("even", "adhesion") if getattr(self, name)), "")
 
     @cached_property
     def loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:

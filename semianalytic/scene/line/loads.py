@@ -69,13 +69,17 @@ class InterfaceLoad(Alike):
             )
         if self.on is not None and not among(self.on, ("line", "slot")):
             raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
-        from semianalytic.scene.line.fields import check_field
+        from semianalytic.scene.line.fields import Table, check_field
 
         for name in ("shear", "pressure"):
             given = getattr(self, name)
             check_field(f"load: {name}", given)
-            if history is None and self.acts(name) and not callable(given):
-                raise SceneError(f"load: without a history `{name}` must be a function of x and t.")
+            fixed = isinstance(given, Table) or not callable(given)
+            if history is None and self.acts(name) and fixed:
+                raise SceneError(
+                    f"load: with history=None `{name}` must be a function of x and t, got "
+                    f"{shown(given)}; leave history out for a step, or give a function of t."
+                )
 
     def acts(self, name: str) -> bool:
         """Return whether the load has "shear" or "pressure": anything but the number 0."""
