@@ -25,7 +25,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Past:
-    """What a line remembers at one time.
+    """Memory of a line at one time.
 
     Attributes
     ----------
