@@ -151,7 +151,7 @@ def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
 
 def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
     mesh_kind, frames = plan.settings.mesh, plan.settings.frames if plan.full else 0
-    matrices = 1 if plan.is_half or len(set(plan.materials.values())) == 1 else 2
+    matrices = 1 if plan.is_half or len(set(plan.scene.bodies)) == 1 else 2
     mesh = max(map(len, plan.bodies)) * plan.nodes * matrices // (1 if plan.is_half else 2)
     unknowns = sum(map(len, plan.bodies)) * plan.nodes
     shown = plan.nodes * (2 if plan.is_half else 1)

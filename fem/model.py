@@ -170,7 +170,7 @@ def build_model(plan: Plan, space: Space) -> Model:
     """Assemble the bodies of a plan on a mesh of the upper block; choose the step."""
     scene, damping_time = plan.scene, plan.damping_time
     place, distance = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
-    solids = list(plan.materials.values())[: 1 if plan.is_half else 2]
+    solids = scene.bodies[: 1 if plan.is_half else 2]
     matrices = {
         (solid, components): body_matrix(space, solid, components, place)
         for solid, components in product(dict.fromkeys(solids), plan.bodies)

@@ -12,7 +12,7 @@ from typing import Any
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE
 from fem.elements.edge import edge_offset
-from fem.patch import highest_of_patch
+from fem.elements.patch import highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
 from fem.settings import Settings
 from fem.stepping import critical_step
@@ -112,11 +112,6 @@ class Plan:
         return wave_slips_ahead(self.scene, self.end_time)
 
     @property
-    def materials(self) -> dict[str, Material]:
-        """Materials of the upper and of the lower block."""
-        return dict(zip(("upper", "lower"), self.scene.bodies, strict=True))
-
-    @property
     def name(self) -> str:
         """Name of the model."""
         return choose_model(self.scene, self.settings.model)
@@ -152,7 +147,7 @@ class Plan:
         """
         if not self.is_pressed or self.settings.mesh == "triangles":
             return 0.0
-        return self.size * edge_offset(self.materials.values())
+        return self.size * edge_offset(self.scene.bodies)
 
     @property
     def damping_time(self) -> float:
@@ -200,7 +195,7 @@ class Plan:
 
         `highest_of_patch` says why a patch of the mesh tells it.
         """
-        kinds = product(dict.fromkeys(self.materials.values()), dict.fromkeys(self.bodies))
+        kinds = product(dict.fromkeys(self.scene.bodies), dict.fromkeys(self.bodies))
         highest = max(
             material.shear_speed * _highest_of_patch(material.poisson_ratio, components)
             for material, components in kinds

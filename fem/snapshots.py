@@ -154,14 +154,14 @@ class Snapshots:
     ) -> dict[str, NDArray[np.float64]]:
         """Return the stress at the centre of each element under what the slot scatters, the base
         and an incident wave."""
-        materials, scene = self.model.plan.materials, self.model.plan.scene
+        scene = self.model.plan.scene
         antiplane, centres = scene.antiplane, self._points[self._cells[0][1], :2].mean(axis=1)
         wave = arrived_wave(scene, centres[:, 0], centres[:, 1], time)
         held = scene.superposition.in_place if wave is None else scene.base
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
         lower = centres[:, 1] < 0
         mu, bulk = (
-            np.where(lower, *(value(materials[name]) for name in ("lower", "upper")))
+            np.where(lower, *(value(body) for body in reversed(scene.bodies)))
             for value in (
                 lambda material: material.shear_modulus,
                 lambda material: material.density * material.longitudinal_speed**2,
