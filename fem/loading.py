@@ -74,7 +74,7 @@ class SceneTractions:
     def __init__(
         self, scene: Scene, step: float, steps: int, contact_x: Array, slot_x: Array
     ) -> None:
-        self.step, self.base = step, scene.before_load
+        self.step, self.before = step, scene.before_load
         self.in_place, self.load = scene.superposition
         self.histories = scene.shear_history, scene.pressure_history
         slowness = scene.front_slowness
@@ -97,8 +97,8 @@ class SceneTractions:
             return KickTractions(in_place.pressure, in_place.shear, along, across)
         shear, pressure = self._spread(self.beyond, level)
         carried = (
-            self.base.pressure + load.pressure * pressure,
-            self.base.shear + load.shear * shear,
+            self.before.pressure + load.pressure * pressure,
+            self.before.shear + load.shear * shear,
         )
         return KickTractions(*carried, along, across)
 

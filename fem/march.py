@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from skfem import MeshQuad
 
 from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
 from fem.interface import ContactFace, FacePair, Joint
-from fem.stepping import MarchedBody, normalised
+from fem.stepping import MarchedBody, highest_frequency, normalised
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.material import Material
 
@@ -27,6 +28,22 @@ def half_window(size: float, speed: float, step: float) -> int:
     The elements have a size [length], and the shear wave a speed [length / time].
     """
     return max(1, round(RATE_WINDOW / 2 * size / speed / step))
+
+
+PATCH = 24
+"""Elements along a side of the patch."""
+
+
+def highest_of_patch(size: float, material: Material, components: tuple[int, ...]) -> float:
+    """Return the largest eigenfrequency of a free patch of squares [1 / time].
+
+    The fastest mode of a block is localised in its corners, so a patch of a few elements has it,
+    and no block that is larger or held exceeds it.  Squares have sides of a size [length].
+    """
+    side = size * np.arange(PATCH + 1.0)
+    space = Space(MeshQuad.init_tensor(side, side))
+    matrix, _ = normalised(STIFFNESS[components](space, material), lumped_mass(space, material))
+    return highest_frequency(matrix, tol=1e-7)
 
 
 def body_matrix(

@@ -12,7 +12,7 @@ from typing import Any
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE
 from fem.elements.edge import edge_offset
-from fem.elements.patch import highest_of_patch
+from fem.march import highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
 from fem.settings import Settings
 from fem.stepping import critical_step

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, Space, Y
-from fem.elements.patch import highest_of_patch
 from fem.lines.line import Line
-from fem.march import body_matrix
+from fem.march import body_matrix, highest_of_patch
 from fem.stepping import MarchedBody, critical_step
 from meshes.blocks import causal_margin
 from semianalytic.scene.errors import SceneError
