@@ -79,7 +79,8 @@ def arrival(rate: Array, times: Array) -> float:
 
 def their_rupture(build: Path, nodes: int, ratio: float) -> tuple[Array, Array, Array]:
     """Run TPV103 of UGUCA for 5 s; return times, slip at x >= 0 at these, and slip rate at 9 km."""
-    command = [(build / "TPV103-2d").resolve(), *f"-N {nodes} -f {ratio} -T 5 -t 0.003".split()]
+    options = f"-N {nodes} -f {ratio} -T 5 -t 0.003".split()
+    command: list[str | Path] = [(build / "TPV103-2d").resolve(), *options]
     with tempfile.TemporaryDirectory() as scratch:
         seconds_of(command, Path(scratch))
         (levels,) = Path(scratch).glob("*.time")
