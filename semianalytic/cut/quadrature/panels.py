@@ -238,7 +238,10 @@ class Panels:
 def _summed(weights: Array, own: Array, other: Array) -> Array:
     """Return sums of weights / (own + other) over `own` (..., m), at `other` (..., n)."""
     m, n = own.shape[-1], other.shape[-1]
-    rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
+    rows, count = weights.reshape(-1, m, 1), weights.size // m
+    # own + other as a product of rank 2, which BLAS forms in half the time of adding them up
+    to, sources = np.ones((count, n, 2)), np.ones((count, 2, m))
+    to[..., 0], sources[:, 1] = other.reshape(-1, n), own.reshape(-1, m)
     result = np.empty((len(to), n, 1))
     # Kernel values that stay in the processor's cache.
     step = max(1, min(len(to), 50_000 // (m * n)))
@@ -246,7 +249,7 @@ def _summed(weights: Array, own: Array, other: Array) -> Array:
     for start in range(0, len(to), step):
         part = slice(start, start + step)
         within = kernel[: len(to[part])]
-        np.add(sources[part], to[part], out=within)
+        np.matmul(to[part], sources[part], out=within)
         np.reciprocal(within, out=within)
         np.matmul(within, rows[part], out=result[part])
     return result.reshape(other.shape)
