@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Pairs
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import Array, CutPoints, from_front
 from semianalytic.halfplane.rules import Rule
 
 MANY_NODES = 100
@@ -74,24 +74,20 @@ class Panels:
         return self.layout.sense
 
     @cached_property
-    def _nearest(self) -> np.ndarray:
-        """Index of the front nearest to each end, (m,)."""
-        right = self.right[-1]
-        ends = self.left if right is None else (*self.left, right)
-        return np.array([end.nearest for end in ends])
-
-    @cached_property
     def from_ends(self) -> Array:
         """Differences v - end at all nodes, (m, p, ..., n), exact in the panels that end there."""
-        parts = self.ends.parts
+        right = self.right[-1]
+        ends = self.left if right is None else (*self.left, right)
+        differences = np.empty((len(ends), *self.at.v.shape))
         # Each end is known best by its distance from its nearest front, so that differences are
         # formed from distances from that front.
-        own = parts[self._nearest, np.arange(len(self._nearest))]
-        differences = self.at.parts[self._nearest] - own[:, None]
+        for i, end in enumerate(ends):
+            own = from_front(self.ends.parts[:, i], end.fronts)
+            np.subtract(from_front(self.at.parts, end.fronts), own, out=differences[i])
         panels = np.arange(len(self.left))
         # In the panels that end there, the distances come from the map itself and lose no digits.
         differences[panels, panels] = self.from_left
-        bounded = panels[: len(own) - 1]
+        bounded = panels[: len(ends) - 1]
         differences[bounded + 1, bounded] = -self.from_right[bounded]
         return differences
 
