@@ -64,14 +64,8 @@ class RayleighFamily(RayleighFactors):
         return RayleighFamily(ratio, a=self.a[which], c=self.c[which], tables=tables)
 
     def single(self, index: int) -> RayleighFactors:
-        """Return the factors of one of the ratios, with its tables out of those of the family."""
-        factors = rayleigh_factors(float(self.poisson_ratio[index, 0]))
-        vars(factors).setdefault("_log_s_plus", self.tables.log_s_plus[:, index, 0])
-        for mode, (ahead, behind) in self.tables.stuck.items():
-            stuck = vars(stuck_traction(factors.poisson_ratio, mode))
-            stuck.setdefault("_before_shear_front", ahead[:, index, 0])
-            stuck.setdefault("_behind_shear_front", behind[:, index, 0])
-        return factors
+        """Return the factors of one of the ratios."""
+        return rayleigh_factors(float(self.poisson_ratio[index, 0]))
 
     def s_plus(self, k: ArrayLike) -> Array:
         k, q = np.asarray(k, dtype=float), np.sqrt(self.a)

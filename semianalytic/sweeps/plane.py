@@ -30,11 +30,11 @@ from semianalytic.selfsimilar.search import loose_search
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.statistics import Statistics
-from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, shift_error
 from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import ZoneSets, continued, linearised
+from semianalytic.sweeps.batches import ZoneSets, continued
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import (
@@ -229,33 +229,12 @@ class Plane:
         self._keep(some.points[sound], found, origin, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
-        """Solve points without help; those with converged edges help others."""
+        """Solve points without help; those whose zones are found on the loose rule help others."""
         self._search([i for i in targets if self._closed[i]])
-        by_pattern: dict[Pattern, list[tuple[int, Array, float, float]]] = {}
         for i in targets:
-            if i in self.origin:
-                continue
-            solution = solve(self.scenes[i], rtol=self.rtol)
-            self.solutions[i], self.origin[i] = solution, FROM_SCRATCH
-            fields = solution.profile.fields
-            load = fields.load
-            if solution.status == "converged" and not (load.frictionless or load.opened):
-                edges, unknowns = edges_of(fields.factors, fields.zones)
-                pattern = (edges.kinds, edges.open_ends, edges.segments)
-                one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
-                by_pattern.setdefault(pattern, []).append(one)
-        for pattern, some in by_pattern.items():
-            which, unknowns = (np.array([one[part] for one in some]) for part in (0, 1))
-            for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
-                sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
-                # Zones without edges have no Jacobian, but are a footing all the same.
-                inverse = np.zeros((len(batch), 0, 0))
-                if len(now):
-                    inverse, _ = linearised(sets, now, self.loose)
-                footings = _footings(sets, now, inverse, self.loose)
-                for k, footing in zip(batch, footings, strict=True):
-                    i, one, tolerance, estimate = some[k]
-                    self.zones[i] = Followed(pattern, one, tolerance, estimate, footing)
+            if i not in self.origin:
+                self.solutions[i] = solve(self.scenes[i], rtol=self.rtol)
+                self.origin[i] = FROM_SCRATCH
 
     def _search(self, targets: list[int]) -> None:
         """Search the zones of points one by one on the loose rule, and refine them together."""
@@ -267,7 +246,7 @@ class Plane:
             factors = self.factors[self.scenes[i].material.poisson_ratio]
             trial, _ = loose_search(factors, load, self.rtol)
             edges, inverse = trial.placement.edges, trial.placement.inverse * (self.unit / unit)
-            if trial.lawful and trial.placement.zones:
+            if trial.lawful:
                 pattern = (edges.kinds, edges.open_ends, edges.segments)
                 found.setdefault(pattern, []).append((i, trial.placement.unknowns, inverse))
         for pattern, some in found.items():
