@@ -64,11 +64,13 @@ class Plane:
         self.family = rayleigh_family(ratio)
         ratios, first = np.unique(ratio, return_index=True)
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
-        loads = [scaled_load(scene) for scene in scenes]
+        # Loads do not depend on the Poisson ratio.
+        _, first, own = np.unique(friction, return_index=True, return_inverse=True)
+        loads = [scaled_load(scenes[i]) for i in first]
         self.unit = min(unit for _, unit in loads)
         # Zones slip ahead of all waves only where friction is reached there.
-        self.still = np.array([not scene.far_slip_rate for scene in scenes])
-        self.critical = np.array([load.critical for load, _ in loads])
+        self.still = np.array([not load.far_slip_rate for load, _ in loads])[own]
+        self.critical = np.array([load.critical for load, _ in loads])[own]
         self.solutions: dict[int, Solution] = {}
         self.origin: dict[int, str] = {}
         self.zones: dict[int, Followed] = {}

@@ -34,8 +34,6 @@ LEADING_DOUBT = 0.2
 """Doubt below which a prediction needs no full Newton's method: else zones are others."""
 LOOSEST_LAW = 1e-4
 """Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
-CLOSE_TO_FRONT = 1e-3
-"""Distance in slowness from a front below which differences are formed there."""
 COARSEST = 1e-3
 """Tolerance of the rule on which edges are approached to `NEAR`: 1e-4 takes 5 to 10 % longer."""
 
