@@ -316,6 +316,6 @@ def _scenes(scene: Scene, points: Array) -> list[Scene]:
         parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
     scenes = [object.__new__(Scene) for _ in range(points.shape[1])]
     for one, ratio, friction in zip(scenes, *points.tolist(), strict=True):
-        law = checked_friction(scene.law.with_coefficient(friction))
-        vars(one).update(parts[ratio], friction=law)
+        checked_law = checked_friction(scene.law.with_coefficient(friction))
+        vars(one).update(parts[ratio], friction=checked_law)
     return scenes
