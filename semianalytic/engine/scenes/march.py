@@ -20,9 +20,9 @@ from typing import Any
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.engine.scenes.advancing import advance
+from semianalytic.engine.scenes.loads import TOLERANCES
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.plan import LEAST_NODES, MarchPlan, checked_entry
-from semianalytic.engine.scenes.walk import TOLERANCES
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import MOST_NODES as MOST_LINE_NODES
 from semianalytic.engine.stepping.tuning import STEP_RATIO
