@@ -111,7 +111,8 @@ def estimated(
     if status == "done" and errors[name] > largest:
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
-    return replace(done, error_estimates=errors, status=status), tried
+    found = replace(done, error_estimates=errors, status=status, coarser=coarse.motion)
+    return found, tried
 
 
 def deciding(done: Run, errors: Mapping[str, float]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
-from semianalytic.results.gridded import Gridded
+from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
@@ -37,7 +37,7 @@ MOST_OFF = 0.1
 
 
 @asked_in_units
-class LineAnswer(Questions, Gridded):
+class LineAnswer(Questions, AnswerInBodies):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 
     method = "space-time"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.dissimilar.kernels import pair_of
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on, seen_as
+from semianalytic.engine.bodies.motion import Motion
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import RunCheckpoint
@@ -30,7 +33,7 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run along a line 12"
+FORMAT = "run along a line 13"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -96,6 +99,10 @@ class Run(LineAnswer):
         error: ...", whose fields are complete.
     checkpoint : RunCheckpoint
         Everything that `run` needs to continue this run.
+    motion : Motion
+        Rates of slip and opening of the whole line in every step, which drive the bodies.
+    coarser : Motion or None
+        The same of the run with half the nodes.
 
     Examples
     --------
@@ -116,7 +123,9 @@ class Run(LineAnswer):
     peak_rates: Array
     status: str
     checkpoint: RunCheckpoint = field(repr=False)
+    motion: Motion = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
+    coarser: Motion | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         slip = self.error_estimates.get("slip")
@@ -188,6 +197,19 @@ class Run(LineAnswer):
         state = self.checkpoint.end
         kept = {"friction": state.work, "closing": state.closing}
         return {name: float(weights @ value) for name, value in kept.items()}
+
+    @cached_property
+    def _bodies(self) -> MarchedBodies:
+        grid = grid_of(self.scene, self.nodes, self.shift)
+        return bodies_on(self.scene, self.motion, grid)
+
+    @property
+    def _coarser(self) -> Run | None:
+        """The run on half the nodes, of which only the bodies are known."""
+        if self.coarser is None:
+            return None
+        half = replace(self, nodes=self.nodes // 2, motion=self.coarser, coarser=None)
+        return cast(Run, seen_as(half, self))
 
     @property
     def _weights(self) -> Array:

@@ -11,15 +11,17 @@ wave of an incident load.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.engine.bodies.motion import Levels, Motion
 from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between
+from semianalytic.engine.stepping.line import Grid
 from semianalytic.field.body import Quantity, checked_points
 from semianalytic.field.plane_wave import plane_wave
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
@@ -56,13 +58,22 @@ class MarchedBodies:
         Position of the first node, and node distance [length].
     edges : tuple of (position, side)
         Edges at which tractions are singular, and 1 or -1 for a contact right or left of them.
+    centre : float, optional
+        Position about which everything is even [length].
+    within : (float, float)
+        Least and largest x [length]; beyond them all is as it is there.
+    nearest : float
+        Least distance from the interface at which stress is known [length].
     """
 
     scene: Scene
     motion: Motion
     first: float
     spacing: float
-    edges: tuple[tuple[float, float], ...]
+    edges: tuple[tuple[float, float], ...] = ()
+    centre: float | None = None
+    within: tuple[float, float] = (-math.inf, math.inf)
+    nearest: float = 0.0
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `AnswerInBodies.velocity`."""
@@ -116,7 +127,7 @@ class MarchedBodies:
         """Return the rows (n, p) of a quantity that motion of the faces makes, at points (p,)."""
         asked: Asked = "strain" if quantity == "stress" else quantity
         rows, below = np.empty((self._count(quantity), len(x))), np.signbit(y)
-        place = x + self._displaced(x)
+        place = np.clip(x + self._displaced(x), *self.within)
         # Without opening the lower body is the mirror image of the upper one.
         alike = self.scene.lower_material is None and not self.motion.opening.size
         flips = np.array([1, 1, -1, 1, -1] if asked == "strain" else [1, -1, 1])[: len(rows), None]
@@ -140,7 +151,7 @@ class MarchedBodies:
         if len(times) * (30 + 6 * len(depths)) < 150 * len(depths):
             for time in times:
                 at = t == time
-                found[:, at] = spectrum.picture(asked, x[at], depth[at], time, self.spacing)
+                found[:, at] = spectrum.picture(asked, x[at], depth[at], float(time))
             return found
         levels = self._levels
         for one in depths:
@@ -193,7 +204,7 @@ class MarchedBodies:
             held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
             grid = self.first, self.spacing
             self._spectra[lower] = Spectrum.of(
-                self._levels, bodies, lower, *grid, self._rates, held
+                self._levels, bodies, lower, *grid, self._rates, held, self.centre
             )
         return self._spectra[lower]
 
@@ -212,7 +223,7 @@ class MarchedBodies:
 
     def _check_depth(self, y: Array) -> None:
         """Raise SceneError for points at which the grid does not resolve stress."""
-        near = np.abs(y) < self.spacing * (1 - 1e-9)
+        near = np.abs(y) < self.nearest * (1 - 1e-9)
         if near.any():
             depth = float(np.abs(y[near]).min())
             nodes = self.motion.slip.shape[1]
@@ -224,6 +235,54 @@ class MarchedBodies:
                 f"stress: y = {depth:.3g} is nearer to the interface than nodes "
                 f"{self.spacing:.3g} apart resolve; {instead}."
             )
+
+
+def seen_as(coarser: Any, finer: Any) -> Any:
+    """Return a march of half the nodes, whose bodies are known as close to the interface as those
+    of the finer one, for the difference of the two."""
+    bodies = replace(coarser._bodies, nearest=finer._bodies.nearest)
+    coarser.__dict__["_bodies"] = bodies  # where `cached_property` keeps it
+    return coarser
+
+
+def bodies_on(scene: Scene, motion: Motion, grid: Grid) -> MarchedBodies:
+    """Return the bodies of a march on a grid, of which all nodes have a motion."""
+    slip, opening, first = motion.slip - np.float32(scene.plate_rate), motion.opening, grid.x[0]
+    if grid.even:
+        # a node at an end of half the line has no image
+        alone, first = int(not grid.between), -grid.x[-1]
+        slip, opening = (
+            np.concatenate([one[:, alone:][:, ::-1], one[:, : one.shape[1] - alone]], axis=1)
+            for one in (slip, opening)
+        )
+    motion = Motion(motion.t, slip, opening)
+    spacing = grid.spacing
+    edges = tuple(singular_edges(scene, motion, first, spacing))
+    centre = 0.0 if grid.even else None
+    line = scene, motion, float(first), spacing, edges, centre
+    return MarchedBodies(*line, nearest=spacing)
+
+
+def singular_edges(
+    scene: Scene, motion: Motion, first: float, spacing: float
+) -> Iterator[tuple[float, float]]:
+    """Yield the edges at which tractions are singular: those that stick, or slip under a pressure
+    that is singular."""
+    lengths = np.diff(motion.t)
+    nodes = motion.slip.shape[1]
+    for end in scene.contact.ends(nodes * spacing):
+        side = 1.0 if scene.contact.touches([end + spacing / 2])[0] else -1.0
+        place = (end - first) / spacing
+        inside = math.floor(place) + 1 if side > 0 else math.ceil(place) - 1
+        on, off = inside % nodes, (inside - int(side)) % nodes
+        slips, opens = (
+            [float(lengths @ np.abs(one[:, at])) for at in (on, off)] if one.size else [0.0, 0.0]
+            for one in (motion.slip, motion.opening)
+        )
+        pressed = opens[1] > 0 and scene.lower_material is None
+        sticks = slips[0] <= STICKS * slips[1] or pressed
+        if sticks and opens[0] <= STICKS * opens[1]:
+            yield float(end), side
 
 
 def _hooke(strain: Array, body: Material) -> Array:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +44,12 @@ class Motion:
 
 
 class MotionRecord:
-    """Mean rates of every k-th step; k doubles when they are too many."""
+    """Mean rates of all steps, which are joined where they are too many."""
 
-    def __init__(self) -> None:
-        self._every, self._count, self._t = 1, 0, [0.0]
-        self._rows: list[tuple[Single, ...]] = []
-        self._moved: list[Array] = []
+    def __init__(self, begin: float = 0.0) -> None:
+        self._every, self._t = 1, [begin]
+        self._steps = list[int]()  # of each row
+        self._rows = list[list[Single]]()  # of slip, and of opening if there is any, in parts
 
     def add(self, times: Sequence[float], *rates: Array) -> None:
         """Add steps.
@@ -59,56 +61,50 @@ class MotionRecord:
         *rates : (k + 1, n) arrays
             Slip rates at these, and opening rates if the line may open [length / time].
         """
-        lengths = np.diff(times)[:, None] / 2
-        moved = [lengths * (one[:-1] + one[1:]) for one in rates]
-        for time, *steps in zip(times[1:], *moved, strict=True):
-            if self._moved:
-                steps = [a + b for a, b in zip(self._moved, steps, strict=True)]
-            self._moved = steps
-            self._count += 1
-            if self._count % self._every == 0:
-                self._join(time)
-                if len(self._rows) * sum(map(len, steps)) > MOST_VALUES:
-                    self._thin()
+        self._rows = self._rows or [[] for _ in rates]
+        for rows, one in zip(self._rows, rates, strict=True):
+            rows.append(((one[:-1] + one[1:]) * 0.5).astype(np.float32))
+        self._t += times[1:]
+        self._steps += [1] * (len(times) - 1)
+        width = sum(one.shape[1] for one in rates)
+        if len(self._steps) * width > MOST_VALUES:
+            if sum(self._steps) / self._every * width > MOST_VALUES / 2:
+                self._every *= 2
+            self._join()
 
-    def _join(self, time: float) -> None:
-        """Note the mean rates of the steps since the last row."""
-        length = time - self._t[-1]
-        self._rows.append(tuple((one / length).astype(np.float32) for one in self._moved))
-        self._t.append(time)
-        self._moved = []
+    def _join(self) -> None:
+        """Join rows, so that each has the mean rates of so many steps."""
+        ends, t = np.cumsum(self._steps), np.array(self._t)
+        _, starts = np.unique((ends - 1) // self._every, return_index=True)
+        lengths = np.diff(t).astype(np.float32)[:, None]
+        whole = np.add.reduceat(lengths, starts)
+        for rows in self._rows:
+            moved = np.add.reduceat(np.concatenate(rows) * lengths, starts)
+            rows[:] = [np.asarray(moved / whole, np.float32)]
+        self._t = [*t[starts].tolist(), self._t[-1]]
+        self._steps = np.add.reduceat(self._steps, starts).tolist()
 
-    def _thin(self) -> None:
-        self._every *= 2
-        rows, t, count = self._rows, np.array(self._t), len(self._rows) // 2
-        shares = ((t[1::2] - t[:-1:2])[:count] / (t[2::2] - t[:-2:2])[:count]).astype(np.float32)
-        self._rows = [
-            tuple(share * a + (1 - share) * b for a, b in zip(one, other, strict=True))
-            for share, one, other in zip(shares, rows[::2], rows[1::2], strict=False)
-        ]
-        self._t = t[: 2 * count + 1 : 2].tolist()
-        if len(rows) % 2:  # the last row waits for the steps that will join it
-            self._moved = [np.asarray(one * (t[-1] - t[-2]), dtype=float) for one in rows[-1]]
-
-    def motion(self, time: float) -> Motion:
-        """Return the record until a time, that of the last step [time]."""
-        rows, t = list(self._rows), list(self._t)
-        if self._moved:
-            rows.append(tuple((one / (time - t[-1])).astype(np.float32) for one in self._moved))
-            t.append(time)
-        nothing = np.zeros((len(rows), 0), dtype=np.float32)
-        slip, *opening = (np.array(one) for one in zip(*rows, strict=True)) if rows else [nothing]
-        return Motion(np.array(t), slip, opening[0] if opening else nothing)
+    def motion(self) -> Motion:
+        """Return the record until the last step."""
+        if not self._steps:
+            return Motion(np.array(self._t), *[np.zeros((0, 0), np.float32)] * 2)
+        if self._every > 1:
+            self._join()
+        slip, *opening = (np.concatenate(rows) for rows in self._rows)
+        nothing = np.zeros((len(slip), 0), np.float32)
+        return Motion(np.array(self._t), slip, opening[0] if opening else nothing)
 
     def go_on(self, earlier: Motion, time: float, steps: int) -> None:
         """Continue the record of an earlier march from a time, until which it took `steps`."""
-        count = int(np.searchsorted(earlier.t, time, side="right")) - 1
-        whole = [one for one in (earlier.slip, earlier.opening) if one.size or one is earlier.slip]
-        self._t = earlier.t[: count + 1].tolist()
-        self._rows = [tuple(one[row] for one in whole) for row in range(count)]
-        self._count, self._every = steps, 2 ** round(math.log2(max(steps / max(count, 1), 1)))
-        if time > self._t[-1]:
-            self._moved = [(time - self._t[-1]) * one[count].astype(float) for one in whole]
+        ends = np.minimum(earlier.t[1:], time)
+        count = int((earlier.t[:-1] < time).sum())
+        self._t = [*earlier.t[:1].tolist(), *ends[:count].tolist()]
+        kept = [one for one in (earlier.slip, earlier.opening) if one.shape[1]]
+        self._rows = [[one[:count]] for one in kept]
+        self._every = 2 ** round(math.log2(max(steps / max(count, 1), 1)))
+        self._steps = [self._every] * count
+        if count:
+            self._steps[-1] = max(steps - self._every * (count - 1), 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +123,7 @@ class Levels:
     step: float
     count: int
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of times after which the transform repeats itself."""
         from scipy.fft import next_fast_len  # here, for `import semianalytic` is to be quick
@@ -139,58 +135,84 @@ class Levels:
         """The rate eta of the window exp(-eta t) [1 / time]."""
         return math.log(1 / FALL) / (self.size * self.step)
 
-    @property
+    @cached_property
     def frequencies(self) -> Complex:
         """Frequencies s = eta + i omega, omega >= 0, (size // 2 + 1,) [1 / time]."""
         omega = 2 * np.pi / (self.size * self.step) * np.arange(self.size // 2 + 1)
         return np.asarray(self.fall + 1j * omega)
 
-    def means(self, t: Array, rates: Single) -> Array:
+    def means(self, t: Array, rates: Any) -> Array:
         """Return mean rates (count, n) between these times, given those between others.
 
         What has moved until a time is interpolated by cubic polynomials through the times given.
         """
-        lengths, at = np.diff(t)[:, None], self.start + self.step * np.arange(self.count + 1)
-        beyond, at = np.maximum(at - t[-1], 0.0)[:, None], np.minimum(at, t[-1])
-        moved = np.zeros((len(t), rates.shape[1]))
-        np.cumsum(lengths * rates, axis=0, out=moved[1:])
-        slopes = np.empty_like(moved)
-        slopes[1:-1] = (lengths[1:] * rates[:-1] + lengths[:-1] * rates[1:]) / (
-            lengths[1:] + lengths[:-1]
-        )
-        slopes[0], slopes[-1] = rates[0], rates[-1]
-        row = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
-        share = ((at - t[row]) / lengths[row, 0])[:, None]
-        bend = share * (1 - share) * lengths[row]
-        found = moved[row] + share * lengths[row] * rates[row]
-        found += bend * (1 - share) * (slopes[row] - rates[row])
-        found -= bend * share * (slopes[row + 1] - rates[row])
-        found += beyond * rates[-1]
-        return np.asarray(np.diff(found, axis=0) / self.step)
+        at = self.start + self.step * np.arange(self.count + 1)
+        # where steps are even, levels are those of the march
+        most = min(len(at), len(t))
+        apart = np.abs(at[:most] - t[:most]) > 1e-9 * self.step
+        alike = (int(np.argmax(apart)) if apart.any() else most) - 1
+        before = max(alike - 2, 0)
+        found = np.empty((self.count, rates.shape[1]))
+        found[:alike] = rates[:alike]
+        if alike < self.count:
+            found[alike:] = _resampled(t[before:], rates[before:], at[alike:]) / self.step
+        return found
 
-    def transformed(self, means: Array) -> tuple[Complex, Complex]:
-        """Return the amplitudes (q, frequencies) of exp(s t + i q j) and exp(s t - i q j).
+    def lines(self, means: Array) -> Complex:
+        """Return transforms along x of mean rates (count, n), fallen and faded, (q, size)."""
+        from scipy.fft import rfft
 
-        `means` (count, n) are those at nodes j.
-        """
-        from scipy.fft import fft, rfft
-
-        size, half = self.size, self.size // 2 + 1
         fading = self.count // 4
         beyond = np.arange(1, fading + 1)
         # a point reflection about the last value goes on smoothly, while the cosine fades it out
         fade = np.square(np.cos(np.pi / 2 * beyond / (fading + 1)))[:, None]
         after = fade * (2 * means[-1] - means[-1 - beyond])
-        lines = np.zeros((size, means.shape[1] // 2 + 1), dtype=complex)
-        lines[: self.count], lines[self.count : self.count + fading] = rfft(means), rfft(after)
-        middles = self.step * (np.arange(size) + 0.5)
-        lines *= (self.step / means.shape[1] * np.exp(-self.fall * middles))[:, None]
-        every = fft(lines.T.copy(), axis=1, overwrite_x=True)
+        nodes, middles = means.shape[1], self.step * (np.arange(self.count + fading) + 0.5)
+        falls = (self.step / nodes * np.exp(-self.fall * middles))[:, None]
+        lines = np.zeros((nodes // 2 + 1, self.size), dtype=complex)
+        lines[:, : self.count] = rfft(means * falls[: self.count]).T
+        lines[:, self.count : self.count + fading] = rfft(after * falls[self.count :]).T
+        return lines
+
+    @cached_property
+    def _factor(self) -> Complex:
+        """What makes rates at times of means between them, tapered, (frequencies,)."""
         s = self.frequencies
         # Rates between times stand at their middles, half a step later; a mean over a step is less
         # than the rate there by sinh(z) / z.
         z = s * self.step / 2
-        factor = np.exp(-1j * z.imag) * z / np.sinh(z)
         # Sharp ends ring, and the window makes what rings before its cause a million times larger.
-        factor *= np.exp(-36.0 * (s.imag / s.imag[-1]) ** 8)
-        return every[:, :half] * factor, every[:, -np.arange(half)].conj() * factor
+        taper = np.exp(-36.0 * (s.imag / s.imag[-1]) ** 8)
+        return np.asarray(np.exp(-1j * z.imag) * z / np.sinh(z) * taper)
+
+    def transformed(self, lines: Complex) -> tuple[Complex, Complex]:
+        """Return the amplitudes of exp(s t + i q x) and exp(s t - i q x) of some `lines`."""
+        from scipy.fft import fft
+
+        half = self.size // 2 + 1
+        every = fft(lines, axis=1)
+        return every[:, :half] * self._factor, every[:, -np.arange(half)].conj() * self._factor
+
+
+def _resampled(t: Array, rates: Any, at: Array) -> Array:
+    """Return what moves between times `at` (k,), (k - 1, n), given mean rates between times t.
+
+    What has moved until a time is interpolated by cubic polynomials, and goes on beyond the last.
+    """
+    lengths = np.diff(t)[:, None]
+    beyond, at = np.maximum(at - t[-1], 0.0)[:, None], np.minimum(at, t[-1])
+    moved = np.zeros((len(t), rates.shape[1]))
+    np.cumsum(lengths * rates, axis=0, out=moved[1:])
+    slopes = np.empty_like(moved)
+    slopes[1:-1] = (lengths[1:] * rates[:-1] + lengths[:-1] * rates[1:]) / (
+        lengths[1:] + lengths[:-1]
+    )
+    slopes[0], slopes[-1] = rates[0], rates[-1]
+    row = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    share = ((at - t[row]) / lengths[row, 0])[:, None]
+    bend = share * (1 - share) * lengths[row]
+    found = moved[row] + share * lengths[row] * rates[row]
+    found += bend * (1 - share) * (slopes[row] - rates[row])
+    found -= bend * share * (slopes[row + 1] - rates[row])
+    found += beyond * rates[-1]
+    return np.asarray(np.diff(found, axis=0))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -23,11 +24,6 @@ BLOCK = 1 << 16
 """Pairs of wavenumber and frequency that are formed at once, to stay in the cache."""
 FALLEN = 35.0
 """Waves that have fallen by more than exp of this do not count."""
-NEAR = 6.0
-"""Depth in node distances from which pictures take half the wavenumbers and frequencies.
-
-That changes velocities by 1e-4 of the largest, and takes a quarter of the time.
-"""
 DEPTHS, DEGREE = 400, 5
 """Depths of a picture beyond which it is interpolated between them, and the degree of that."""
 
@@ -79,13 +75,20 @@ class Spectrum:
     q : (n,) array
         Wavenumbers [1 / length]; the first is 0, or that of the stiffness that holds the mean.
     waves : mapping of (2, n, frequencies) arrays
-        Phi as "P" and Psi as "S", v_z on the face as "Z": at wavenumbers q and at -q.
+        Phi as "P" and Psi as "S", v_z on the face as "Z": at wavenumbers q and at -q.  The latter
+        are left out, (1, n, frequencies), where `signs` say what they are.
+    origin : float
+        Position at which phases are 0 [length].
+    signs : mapping
+        Amplitudes at -q over those at q, where the line is even about its origin.
     """
 
     levels: Levels
     body: Material
     q: Array
     waves: Mapping[str, Complex]
+    origin: float
+    signs: Mapping[str, float]
 
     @classmethod
     def of(
@@ -97,6 +100,7 @@ class Spectrum:
         spacing: float,
         rates: Mapping[str, Array],
         held: float = 0.0,
+        centre: float | None = None,
     ) -> Spectrum:
         """Make the spectrum of one body.
 
@@ -112,29 +116,41 @@ class Spectrum:
             Mean slip rates "x" or "z" and opening rates "y" between the levels [length / time].
         held : float
             Wavenumber of the stiffness that the mean meets [1 / length].
+        centre : float, optional
+            Position about which the line is even [length].
         """
+        origin, signs = centre or 0.0, dict[str, float]()
         nodes = next(iter(rates.values())).shape[1]
         k = 2 * np.pi / (nodes * spacing) * np.arange(nodes // 2)
         q = k.copy()
         q[0] = held
         # A taper, without which the sum would end abruptly and ring.
-        placed = (np.exp(-7.0 * (k * spacing / np.pi) ** 8) * np.exp(-1j * k * first))[:, None]
+        placed = (np.exp(-7.0 * (k * spacing / np.pi) ** 8) * np.exp(-1j * k * (first - origin)))[
+            :, None
+        ]
         placed[0] /= 2  # the mean is counted at q and at -q
-        s, waves = levels.frequencies, dict[str, Complex]()
+        s, block = levels.frequencies, max(1, BLOCK // levels.size)
+        names = "Z" * ("z" in rates) + "PS" * bool(rates.keys() - {"z"})
+        even = centre is not None and len(rates) == 1
+        waves = {name: np.zeros((2 - even, len(k), len(s)), dtype=complex) for name in names}
         for name, means in rates.items():
-            ahead, back = (one[: len(k)] for one in levels.transformed(means))
-            ahead, back = ahead * placed, back * placed.conj()
-            if name == "z":
-                share = shares(bodies, lower, q[:, None], s)
-                waves["Z"] = np.stack([share * ahead, share * back])
-                continue
-            one = potentials(bodies, lower, q[:, None], s)[name == "y"]
+            lines = levels.lines(means)[: len(k)]
             # what contains i q changes its sign with q
-            signs = (-1, 1) if name == "x" else (1, -1)
-            for wave, drive, sign in zip("PS", one, signs, strict=True):
-                sent = np.stack([drive * ahead, sign * drive * back])
-                waves[wave] = waves[wave] + sent if wave in waves else sent
-        return cls(levels, bodies[lower and len(bodies) - 1], q, waves)
+            odd = {"P": -1.0 if name == "x" else 1.0, "S": 1.0 if name == "x" else -1.0, "Z": 1.0}
+            signs = odd if even else signs
+            for start in range(0, len(k), block):
+                part = slice(start, start + block)
+                ahead, back = levels.transformed(lines[part])
+                sides = [ahead * placed[part], back * placed[part].conj()][: 2 - even]
+                if name == "z":
+                    drives = [shares(bodies, lower, q[part, None], s)]
+                else:
+                    drives = list(potentials(bodies, lower, q[part, None], s)[name == "y"])
+                for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
+                    waves[wave][0, part] += drive * sides[0]
+                    if not even:
+                        waves[wave][1, part] += odd[wave] * drive * sides[1]
+        return cls(levels, bodies[lower and len(bodies) - 1], q, waves, origin, signs)
 
     @cached_property
     def _k(self) -> Array:
@@ -176,19 +192,20 @@ class Spectrum:
             part = slice(start, start + block)
             seen = slice(self._first(self.q[start], depth), None)
             roots = decays(self.body, self.q[part, None], s[seen])
-            phase = np.exp(1j * np.multiply.outer(x, self._k[part]))
+            phase = np.exp(1j * np.multiply.outer(x - self.origin, self._k[part]))
             for wave, amplitudes in self.waves.items():
                 decay = roots[wave != "P"]
                 fall = np.exp(-depth * decay)
-                for side, turn in enumerate((1j, -1j)):
-                    sent = amplitudes[side, part, seen] * fall
-                    fallen = decay * sent
+                for side, sent in enumerate(amplitudes[:, part, seen] * fall):
+                    falling = decay * sent
                     for (name, turns, falls), total in sums.items():
                         if name == wave:
-                            along = (phase if side == 0 else phase.conj()) * (
-                                turn * self.q[part]
-                            ) ** turns
-                            total[:, seen] += along @ (fallen if falls else sent)
+                            along = phase * (1j * self.q[part]) ** turns
+                            if side:
+                                along = along.conj()
+                            elif self.signs:
+                                along = along + self.signs[wave] * along.conj()
+                            total[:, seen] += along @ (falling if falls else sent)
         found = np.zeros((len(rows), len(x), len(s)), dtype=complex)
         for row, terms in zip(found, rows, strict=True):
             for one in terms:
@@ -197,87 +214,76 @@ class Spectrum:
         values = irfft(found, levels.size, axis=-1)[..., : len(t)]
         return np.asarray(values * (np.exp(levels.fall * t) / levels.step))
 
-    def picture(self, asked: Asked, x: Array, depths: Array, time: float, spacing: float) -> Array:
-        """Return a field at points (p,) at one time, (rows, p).
-
-        `depths` are distances from the face, and `spacing` is the node distance [length].
-        """
-        levels, place = np.unique(depths, return_inverse=True)
-        place, weight = place[:, None], np.ones((len(depths), 1))
+    def picture(self, asked: Asked, x: Array, depths: Array, time: float) -> Array:
+        """Return a field at points (p,) at one time, (rows, p); `depths` are as of `histories`."""
+        # rows on both sides of the interface are equally deep, but for rounding
+        keys = np.rint(depths / (1e-9 * depths.max(initial=1e-300)))
+        _, chosen, place = np.unique(keys, return_index=True, return_inverse=True)
+        levels, place, weight = depths[chosen], place[:, None], np.ones((len(depths), 1))
         if len(levels) > DEPTHS:
             levels = np.linspace(levels[0], levels[-1], DEPTHS)
             place, weight = between((depths - levels[0]) / (levels[1] - levels[0]), DEPTHS, DEGREE)
-        near = int(np.searchsorted(levels, NEAR * spacing))
-        every = np.concatenate(
-            [
-                self._amplitudes(asked, levels[part], time - self.levels.start, share)
-                for part, share in ((slice(near), 1.0), (slice(near, None), 0.5))
-                if len(levels[part])
-            ]
-        )  # (depths, rows, wavenumbers)
+        amplitudes = self._amplitudes(asked, levels, time - self.levels.start)
         at, which = np.unique(x, return_inverse=True)
-        phases = np.exp(1j * np.multiply.outer(at, self._k)) if len(at) <= 4 * len(levels) else None
-        found = np.zeros((every.shape[1], len(x)))
+        shared = len(at) <= 4 * len(levels)  # points of a picture that lie above one another
+        phases = np.exp(1j * np.multiply.outer((at if shared else x) - self.origin, self._k))
+        found = np.zeros((amplitudes.shape[1], len(x)))
         order = np.argsort(place[:, 0], kind="stable")
         ends = np.searchsorted(place[order, 0], np.arange(len(levels) + 1))
-        for begin, end in zip(ends[:-1], ends[1:], strict=True):
-            if end == begin:
-                continue
-            here, first = order[begin:end], place[order[begin], 0]
-            along = np.exp(1j * np.multiply.outer(x[here], self._k)) if phases is None else None
-            along = phases[which[here]] if along is None else along
-            for step in range(weight.shape[1]):
-                values = (along @ every[first + step].T).real
+        for first, (begin, end) in enumerate(pairwise(ends.tolist())):
+            here = order[begin:end]
+            along = phases[which[here] if shared else here]
+            for step in range(weight.shape[1] if len(here) else 0):
+                values = (along @ amplitudes[first + step].T).real
                 found[:, here] += weight[here, step] * values.T
         return found
 
-    def _amplitudes(self, asked: Asked, depths: Array, time: float, share: float) -> Complex:
-        """Return amplitudes of exp(i q x), whose real parts add up, (depths, rows, wavenumbers).
-
-        `share` is the part of wavenumbers and frequencies that counts.
-        """
-        rows, count = self._terms(asked), math.ceil(share * len(self.q))
-        s = self.levels.frequencies[: math.ceil(share * len(self.levels.frequencies))]
+    def _amplitudes(self, asked: Asked, depths: Array, time: float) -> Complex:
+        """Return amplitudes of exp(i q x), whose real parts add up, (depths, rows, wavenumbers)."""
+        rows, s = self._terms(asked), self.levels.frequencies
         wave = np.exp(s * time) * (2 / (self.levels.size * self.levels.step))
         wave[0] /= 2
-        if share < 1:
-            wave *= np.exp(-36.0 * (s.imag / s.imag[-1]) ** 8)
         found = np.zeros((len(depths), len(rows), len(self.q)), dtype=complex)
         terms = [(place, one) for place, row in enumerate(rows) for one in row]
-        for index, q in enumerate(self.q[:count]):
-            seen = slice(self._first(q, depths[0]), None)
-            if not len(s[seen]):
-                continue
-            roots, last = decays(self.body, q, s[seen]), share < 1
-            taper = math.exp(-7.0 * (index / count) ** 8) if last else 1.0
+        for index, q in enumerate(self.q):
+            counts = slice(self._first(q, depths[0]), None)
+            roots = decays(self.body, q, s[counts])
             for name, amplitudes in self.waves.items():
                 own = [one for one in terms if one[1].wave == name]
-                decay = roots[name != "P"]
-                factors = np.stack([one.factor(q, decay, s[seen]) * wave[seen] for _, one in own])
-                ahead, back = amplitudes[:, index, : len(s)][:, seen]
-                sent = np.concatenate([factors * ahead, factors * back])
-                sums = (fallen(depths, decay) @ sent.T).reshape(len(depths), 2, len(own))
+                decay, sent = roots[name != "P"], amplitudes[:, index, counts] * wave[counts]
+                factors = [one.factor(q, decay, s[counts]) for _, one in own]
+                sums = laid_down(
+                    depths, decay, np.concatenate([factor * sent for factor in factors])
+                ).reshape(len(depths), len(own), len(sent))
                 for column, (row, one) in enumerate(own):
-                    turned = (1j * q) ** one.turns * one.coefficient * taper
+                    turned = (1j * q) ** one.turns * one.coefficient
+                    ahead, back = sums[:, column, 0], sums[:, column, -1]
+                    if self.signs:
+                        back = self.signs[name] * back
                     # the real part of a wave at -q is that of its conjugate at q
-                    both = turned * (sums[:, 0, column] + sums[:, 1, column].conj())
-                    found[:, row, index] += both
+                    found[:, row, index] += turned * (ahead + back.conj())
         return found
 
 
-def fallen(depths: Array, decay: Complex) -> Complex:
-    """Return exp(-depth decay), (d, m).
+def laid_down(depths: Array, decay: Complex, sent: Complex) -> Complex:
+    """Return the sums over frequencies at depths (d,) of waves (k, m) that fall off, (d, k).
 
-    For many evenly spaced depths it is formed from products of about 2 sqrt(d) exponentials.
+    For many evenly spaced depths about sqrt(d) exponentials are formed from one.
     """
-    count = math.isqrt(len(depths))
-    step = depths[-1] - depths[0]
+    count, step = math.isqrt(len(depths)), depths[-1] - depths[0]
     even = depths[0] + step * np.linspace(0.0, 1.0, len(depths))
-    if count < 4 or np.abs(depths - even).max() > 1e-9 * step:
-        return np.exp(-np.multiply.outer(depths, decay))
-    blocks = np.exp(-np.multiply.outer(depths[::count], decay))
-    within = np.exp(-np.multiply.outer(depths[:count] - depths[0], decay))
-    return (blocks[:, None] * within).reshape(-1, len(decay))[: len(depths)]
+    if count < 4 or np.abs(depths - even).max() > 1e-8 * step:
+        return np.asarray(np.exp(-np.multiply.outer(depths, decay)) @ sent.T)
+    powers, once = np.ones((count, len(decay)), complex), np.exp(-step / (len(depths) - 1) * decay)
+    for before, after in pairwise(powers):
+        np.multiply(before, once, out=after)
+    found = np.empty((len(depths), len(sent)), complex)
+    sent, leap = sent * np.exp(-depths[0] * decay), once * powers[-1]
+    for start in range(0, len(depths), count):
+        part = found[start : start + count]
+        part[:] = (powers @ sent.T)[: len(part)]
+        sent *= leap
+    return found
 
 
 def between(at: Array, count: int, degree: int) -> tuple[NDArray[np.intp], Array]:

@@ -15,6 +15,8 @@ gamma_xy change sign.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,8 +24,8 @@ from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Drive = tuple[Complex, Complex]
-"""Phi and Psi that a unit rate makes."""
+Drive = tuple[Any, Any]
+"""Phi and Psi that a unit rate makes, complex arrays."""
 
 
 def decays(body: Material, q: Array, s: Complex) -> tuple[Complex, Complex]:
@@ -84,9 +86,7 @@ def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> 
     return [d, own * a, across, own * b]
 
 
-def _of_two(
-    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex
-) -> tuple[Drive, Drive]:
+def _of_two(bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex) -> tuple[Drive, Drive]:
     """Return the potentials between different bodies, of which both carry one traction."""
     roots = [decays(body, q, s) for body in bodies]
     (d_up, up11, up12, up22), (d_low, low11, low12, low22) = (

@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies, seen_as
 from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
@@ -32,8 +33,7 @@ from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, Tractions
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -151,8 +151,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         Order of convergence seen between this march and a coarser one, if `rtol` asked for both.
     entry : float
         Distance from the tip at which a load that comes along the slot begins [length], else 0.
-    field_share : float
-        Part of the wavenumbers that are summed for fields in the bodies.
 
     Examples
     --------
@@ -191,7 +189,6 @@ class Marched(AnswerInBodies, SampledAnswer):
     rtol: float | None = None
     entry: float = 0.0
     order: float | None = None
-    field_share: float = 1.0
 
     @property
     def begins(self) -> float:
@@ -255,12 +252,9 @@ class Marched(AnswerInBodies, SampledAnswer):
 
     @cached_property
     def _coarser(self) -> Marched:
-        """The companion, with fields in the bodies from half the wavenumbers.
-
-        Beside the edge the sum over wavenumbers limits the fields, however many nodes there are.
-        """
+        """The companion, whose fields are asked for where those of the march are known."""
         assert self.companion is not None
-        return replace(self.companion, field_share=self.field_share / 2)
+        return cast(Marched, seen_as(replace(self.companion), self))
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
@@ -338,19 +332,11 @@ class Marched(AnswerInBodies, SampledAnswer):
         """The word "resolved", or "unresolved" where there is a `caution`."""
         return "unresolved" if self.caution else "resolved"
 
-    @property
-    def has_bodies(self) -> bool:
-        """Whether the march knows the fields in the bodies: where no front of a load moves."""
-        return isinstance(self.scene.load, Tractions)
-
     @cached_property
     def _bodies(self) -> MarchedBodies:
-        if not self.has_bodies:
-            raise SceneError(
-                "march: the fields in the bodies under an incident wave or a moving load are not "
-                "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
-            )
-        return MarchedBodies(self.scene, self.interface, self.field_share)
+        from semianalytic.engine.scenes.freed import bodies_beside_slot  # which takes a march
+
+        return bodies_beside_slot(self)
 
     @cached_property
     def field_error(self) -> float:
