@@ -146,7 +146,7 @@ class Levels:
 
         What has moved until a time is interpolated by cubic polynomials through the times given.
         """
-        at = self.start + self.step * np.arange(self.count + 1)
+        at: Array = np.asarray(self.start + self.step * np.arange(self.count + 1))
         # where steps are even, levels are those of the march
         most = min(len(at), len(t))
         apart = np.abs(at[:most] - t[:most]) > 1e-9 * self.step

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -29,7 +30,7 @@ from semianalytic.memory.line_memory import LineMemory
 
 Array = NDArray[np.float64]
 Given = Callable[[Array, bool], Array]
-"""Rates of the contact nodes at times (k,), just after jumps or not, (k, contact)."""
+"""Rates of the contact nodes, or of all alike, at times (k,), just after jumps or not, (k, n)."""
 
 MARGIN = 1.05
 """How far behind the edge fields are known, over the distance that waves travel."""
@@ -112,52 +113,59 @@ class FreeSlot(ClosedLine):
 
 def bodies_beside_slot(marched: Marched) -> MarchedBodies:
     """Return the bodies of a march beside a slot."""
-    scene, grid = marched.scene, _longer(marched)
-    shear, load = scene.material.shear_impedance / 2, scene.superposition.taken_off
-    slip = _moved(
-        marched, FreeSlot(marched, grid, "shear", marched.memory, shear, _slip(marched, grid))
-    )
-    opening = np.zeros((len(slip.slip), 0), np.float32)
-    if load.pressure:
-        solid, closed = scene.material, np.zeros(grid.size - grid.slot)
+    scene, solid, speed = marched.scene, marched.scene.material, marched.scene.fastest_speed
+    if marched.entry and not scene.front_too_slow:  # no wave may tell where the load begins
+        marched = replace(marched, entry=(1 + MARGIN) * marched.entry)
+    grid, own = _longer(marched), _slip(marched)
+    parts = [FreeSlot(marched, grid, "shear", marched.memory, solid.shear_impedance / 2, own)]
+    if scene.superposition.taken_off.pressure:
         kernel = Opening(solid.shear_speed / solid.longitudinal_speed)
         tolerance = min(max(marched.memory.error, 2 * TOLERANCES[0]), TOLERANCES[1])
         memory = fit_memory(kernel, marched.memory.horizon, tolerance)
         stiff = solid.density * solid.longitudinal_speed / 2
-        free = FreeSlot(
-            marched, grid, "pressure", memory, stiff, lambda t, _: np.tile(closed, (len(t), 1))
-        )
-        # what presses the uncut line more than the slot faces closes the slot
-        opening = -_moved(marched, free).slip
-    motion = Motion(
-        slip.t, *(np.concatenate([one[:, ::-1], one], axis=1) for one in (slip.slip, opening))
-    )
-    h = grid.spacing
-    first, centre = (0.5 - grid.slot - grid.size) * h, -grid.slot * h
-    edges = tuple(singular_edges(scene, motion, first, h))
-    far = MARGIN * scene.fastest_speed * marched.end_time
+        parts.append(FreeSlot(marched, grid, "pressure", memory, stiff, _none))
+    slip, *closing = (_moved(marched, part) for part in parts)
+    opening = -closing[0].slip if closing else np.zeros((len(slip.slip), 0), np.float32)
+    both = (np.concatenate([one[:, ::-1], one], axis=1) for one in (slip.slip, opening))
+    motion, spacing = Motion(slip.t, *both), grid.spacing
+    first, centre = (0.5 - grid.slot - grid.size) * spacing, -grid.slot * spacing
+    edges = tuple(singular_edges(scene, motion, first, spacing))
+    far = MARGIN * speed * marched.end_time
     within = -far, float(marched.interface.x[-1] + marched.interface.x[0])
-    return MarchedBodies(scene, motion, first, h, edges, centre, within, h)
+    return MarchedBodies(scene, motion, first, spacing, edges, centre, within, spacing)
 
 
 def _longer(marched: Marched) -> ContactGrid:
     """Return the nodes of a march with a slot so long that no mirror image is seen behind it."""
     from scipy.fft import next_fast_len
 
-    scene, grid, speed = marched.scene, marched.grid, marched.scene.fastest_speed
-    length = (1 + MARGIN) / 2 * speed * marched.end_time
+    scene, grid, speed, end = (
+        marched.scene,
+        marched.grid,
+        marched.scene.fastest_speed,
+        marched.end_time,
+    )
+    length = (1 + MARGIN) / 2 * speed * end
     if scene.front_slowness < 0:  # a front that outruns the waves meets its mirror image
-        length = max(length, (1 + MARGIN) * marched.end_time / (1 / speed - scene.front_slowness))
+        length = max(length, (1 + MARGIN) * end / (1 / speed - scene.front_slowness))
+    elif marched.entry:
+        lasts = scene.front_too_slow * speed * (end - marched.begins)
+        length = max(length, marched.entry + lasts)
     contact = grid.size - grid.slot
     slot = max(grid.slot, math.ceil(length / grid.spacing) + 8)
     size = next_fast_len(contact + slot, real=True)
     return ContactGrid(grid.spacing, size - contact, grid.observed, size)
 
 
-def _slip(marched: Marched, grid: ContactGrid) -> Given:
+def _none(times: Array, after: bool) -> Array:
+    """Return that nothing opens on the contact."""
+    return np.zeros((len(times), 1))
+
+
+def _slip(marched: Marched) -> Given:
     """Return the slip rates of the contact that a march has found, those of its end beyond."""
     known = marched.interface
-    beyond = grid.size - grid.slot - grid.observed
+    beyond = marched.grid.size - marched.grid.slot - marched.grid.observed
 
     def given(times: Array, after: bool) -> Array:
         rows = np.clip(
