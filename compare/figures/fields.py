@@ -227,4 +227,6 @@ def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
         panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
         handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)
         handles["Rayleigh"].set_markeredgecolor(BLACK)
-    return [*handles.values(), line_handle("wave fronts", ink(0.65), "--")]
+    if not fields.scene.on_line:
+        handles["fronts"] = line_handle("wave fronts", ink(0.65), "--")
+    return [*handles.values()]

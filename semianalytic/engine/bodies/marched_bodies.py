@@ -64,6 +64,8 @@ class MarchedBodies:
         Least and largest x [length]; beyond them all is as it is there.
     nearest : float
         Least distance from the interface at which stress is known [length].
+    followed : float
+        How far the contact is known [length].
     """
 
     scene: Scene
@@ -74,6 +76,7 @@ class MarchedBodies:
     centre: float | None = None
     within: tuple[float, float] = (-math.inf, math.inf)
     nearest: float = 0.0
+    followed: float = math.inf
 
     @property
     def length(self) -> float:
@@ -229,7 +232,7 @@ class MarchedBodies:
 
     def _check_reach(self, x: Array, y: Array, t: Array) -> None:
         """Raise SceneError for times and places that the nodes do not determine."""
-        begin, end = self.within
+        end = self.followed
         if end < math.inf:
             # beyond the contact that a march follows something happens from the first wave on
             arrival = (end + np.hypot(x - end, y)) / self.scene.fastest_speed
@@ -239,10 +242,10 @@ class MarchedBodies:
                     "have come; ask for earlier times, or march on a greater length "
                     "(docs/limits.md)."
                 )
-            if self.scene.front_slowness and np.any(x < begin):
+            if self.scene.front_slowness and np.any(x < self.within[0]):
                 raise SceneError(
-                    f"the load that runs along the slot is followed from x = {begin:.6g} on; ask "
-                    "for fields ahead of that."
+                    "the load that runs along the slot is followed from x = "
+                    f"{self.within[0]:.6g} on; ask for fields ahead of that."
                 )
 
     def _check_depth(self, y: Array) -> None:
@@ -270,11 +273,11 @@ def stress_error(answer: Any, coarser: Any) -> float:
     if coarser is None:
         return math.nan
     end, bodies = answer.end_time, answer._bodies
-    reach = min(answer.scene.fastest_speed * end, bodies.within[1], bodies.length / 2)
+    reach = min(answer.scene.fastest_speed * end, bodies.followed, bodies.length / 2)
     end = min(end, reach / answer.scene.fastest_speed)
     # The seed is fixed, so that the estimate of a march is always the same number.
     x = reach * np.random.default_rng(0).uniform(-1, 1, (5, 12))
-    y = np.linspace(2 * bodies.nearest, reach, 6)
+    y = np.linspace(4 * bodies.nearest, reach, 6)
     at = x, np.concatenate([y, -y]), end
     change = answer.stress(*at) - answer.stress(*at[:2], min(float(bodies.motion.t[0]), 0.0))
     size = float(np.abs(change).sum())

@@ -131,8 +131,9 @@ def bodies_beside_slot(marched: Marched) -> MarchedBodies:
     first, centre = (0.5 - grid.slot - grid.size) * spacing, -grid.slot * spacing
     edges = tuple(singular_edges(scene, motion, first, spacing))
     far = MARGIN * speed * marched.end_time
-    within = -far, float(marched.interface.x[-1] + marched.interface.x[0])
-    return MarchedBodies(scene, motion, first, spacing, edges, centre, within, spacing)
+    known = marched.interface.x
+    ends = (-far, (grid.size - grid.slot) * spacing), spacing, float(known[-1] + known[0])
+    return MarchedBodies(scene, motion, first, spacing, edges, centre, *ends)
 
 
 def _longer(marched: Marched) -> ContactGrid:

@@ -347,10 +347,10 @@ class Marched(AnswerInBodies, SampledAnswer):
     def field_error(self) -> float:
         """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
 
-        It is 1.6 times the difference from the companion at 60 random points at the end time, or
-        when waves have crossed the observed contact; nan without a companion.
+        It is the difference from the companion at 60 random points at the end time, or when waves
+        have crossed the observed contact; nan without a companion.
         """
-        return SAMPLED_SAFETY * stress_error(self, self.companion and self._coarser)
+        return stress_error(self, self.companion and self._coarser)
 
     @property
     def final_path(self) -> Array:
