@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.dissimilar.kernels import pair_of
-from semianalytic.engine.bodies.marched_bodies import (
-    MarchedBodies,
-    bodies_on,
-    seen_as,
-    stress_error,
-)
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
 from semianalytic.engine.bodies.motion import Motion
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
@@ -106,8 +101,8 @@ class Run(LineAnswer):
         Everything that `run` needs to continue this run.
     motion : Motion
         Rates of slip and opening of the whole line in every step, which drive the bodies.
-    coarser : Motion or None
-        The same of the run with half the nodes.
+    companion : Run or None
+        The same run on half the nodes, at the same frames, from which errors are estimated.
 
     Examples
     --------
@@ -130,7 +125,7 @@ class Run(LineAnswer):
     checkpoint: RunCheckpoint = field(repr=False)
     motion: Motion = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
-    coarser: Motion | None = field(default=None, repr=False)
+    companion: Run | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         slip = self.error_estimates.get("slip")
@@ -213,34 +208,6 @@ class Run(LineAnswer):
         """Least distance from the interface at which stress is known: that of nodes [length]."""
         return self.scene.period / self.nodes
 
-    def error_of(self, reading: Callable[[Run], ArrayLike]) -> Array:
-        """Estimate the error of a quantity in the bodies, in its unit: its difference from that of
-        the run with half the nodes, 1.3 to 5 times what it is off; nan without one.
-
-        Parameters
-        ----------
-        reading : callable
-            Function of a run that returns velocity, stress or displacement of the bodies, as
-            ``lambda run: run.stress(x, y, t)``.
-        """
-        if self._coarser is None:
-            return np.full(np.shape(reading(self)), np.nan)
-        return np.abs(np.subtract(reading(self), reading(self._coarser)))
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the L1 error of stress in the bodies, relative to the change of stress, from
-        the run with half the nodes; nan without one."""
-        return stress_error(self, self._coarser)
-
-    @cached_property
-    def _coarser(self) -> Run | None:
-        """The run on half the nodes, of which only the bodies are known."""
-        if self.coarser is None:
-            return None
-        half = replace(self, nodes=self.nodes // 2, motion=self.coarser, coarser=None)
-        return cast(Run, seen_as(half, self))
-
     @property
     def _weights(self) -> Array:
         """Length of the line for which each node stands, (n,) [length]."""
@@ -322,7 +289,7 @@ class Run(LineAnswer):
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
         of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
         over three nodes, they are off by 0.5 to 2 % from the second node on (docs/engine.md,
-        "Beside a stuck edge").
+        "Tractions near a stuck edge").
 
         Parameters
         ----------
@@ -400,9 +367,8 @@ class Run(LineAnswer):
         MissingLibraryError
             If h5py is not installed.
         DataFileError
-            If the file is missing, damaged or not a run, or a run on another contact or period.
-        SceneError
-            If the scene has functions of Python and is not given.
+            If the file is missing, damaged or not a run, or a run on another contact or period, or
+            of a scene with functions of Python, which is not given.
         """
         given: dict[str, Any] = {} if scene is None else {"scene": scene}
         kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"

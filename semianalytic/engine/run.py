@@ -186,13 +186,10 @@ def _half(
 
 
 @taking_quantities
-@wraps(run)  # a scene says some of its settings itself
+@wraps(run)
 def solve(scene: Scene, **settings: Any) -> Run:
-    """March a scene as `run` does, with its own settings where others are not given."""
-    own = dict(scene.run)
-    if "go_on" in settings:
-        own.pop("nodes", None)  # which are those of the run that goes on
-    if "end_time" not in (settings := own | settings):
+    """March a scene as `run` does."""
+    if "end_time" not in settings:
         raise SceneError("solve: the scene does not say how long it is marched; give end_time.")
     return run(scene, **settings)
 

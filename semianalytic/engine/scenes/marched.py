@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from semianalytic.engine.bodies.marched_bodies import MarchedBodies, seen_as, stress_error
+from semianalytic.engine.bodies.marched_bodies import MarchedAnswer, MarchedBodies
 from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
@@ -25,10 +24,8 @@ from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
-from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
-from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units
@@ -109,7 +106,7 @@ class MarchStatistics:
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Marched(AnswerInBodies, SampledAnswer):
+class Marched(MarchedAnswer, SampledAnswer):
     """The slip history of an interface by the space-time solver; see `SampledAnswer`.
 
     `march` returns it.  Fields are known at the stored levels and interpolated linearly between
@@ -226,36 +223,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         # show.
         return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
 
-    def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
-        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
-
-        The estimate is 1.6 times the difference from the companion, whose fields in the bodies are
-        summed over half the wavenumbers; it assumes that the error falls with the first power of
-        the node distance or faster.  It is too small at a point where
-        the two curves cross: take the largest value, or a norm, over several places.
-
-        Parameters
-        ----------
-        reading : callable
-            Function of a march that returns a number or an array, as
-            ``lambda march: march.slip(x, t)``.
-
-        Returns
-        -------
-        array
-            The estimate, of the shape of the reading; nan without a companion.
-        """
-        if self.companion is None:
-            return np.full(np.shape(reading(self)), np.nan)
-        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
-
-    @cached_property
-    def _coarser(self) -> Marched:
-        """The companion, whose fields are asked for where those of the march are known."""
-        assert self.companion is not None
-        return cast(Marched, seen_as(replace(self.companion), self))
-
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
         # `Extremes` knows this onset at every step; all others are read off the stored levels.
@@ -342,15 +309,6 @@ class Marched(AnswerInBodies, SampledAnswer):
     def nearest_depth(self) -> float:
         """Least distance from the interface at which stress is known: that of nodes [length]."""
         return self.grid.spacing
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
-
-        It is the difference from the companion at 60 random points at the end time, or when waves
-        have crossed the observed contact; nan without a companion.
-        """
-        return stress_error(self, self.companion and self._coarser)
 
     @property
     def final_path(self) -> Array:

@@ -38,7 +38,10 @@ class SlotRecord:
         levels = (not len(earlier.t)) + whole + bool((before + steps) % every) + 1
         # a march ends where the contact would open, so that the gap, the last field, is zero
         stored = [getattr(earlier, one.name) for one in fields(earlier)][1:-1]
-        self._stored = _Rows(stored, levels)
+        # the pressure before is that of all levels where no load changes it
+        self._steady = not marched.scene.superposition.taken_off.pressure
+        self._held = np.zeros(marched.grid.observed)
+        self._stored = _Rows(stored[:-1] if self._steady else stored, levels)
         summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
         self._summed = _Rows(summed, (not before) + steps)
 
@@ -88,9 +91,13 @@ class SlotRecord:
     ) -> None:
         """Store levels at the observed nodes."""
         grid = self._marched.grid
-        observed = [one[: grid.observed] for one in pressures]
         slips, tractions = (field[:, : grid.observed] for field in (slips, tractions))
-        self._stored.add(times, slips, grid.observe(rates), tractions, observed)
+        rows = times, slips, grid.observe(rates), tractions
+        if self._steady:
+            self._held = pressures[-1][: grid.observed]
+            self._stored.add(*rows)
+        else:
+            self._stored.add(*rows, [one[: grid.observed] for one in pressures])
 
     def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""
@@ -102,6 +109,8 @@ class SlotRecord:
     def reached(self, blocks: EqualSteps, **changed: Any) -> Marched:
         """Return the march until the state reached, and with fields that have `changed`."""
         times, *stored = self._stored.arrays()
+        if self._steady:
+            stored.append(np.broadcast_to(self._held, stored[0].shape))
         closed, before = np.broadcast_to(0.0, stored[0].shape), self._marched.statistics
         return replace(
             self._marched,

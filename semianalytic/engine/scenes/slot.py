@@ -19,7 +19,8 @@ from semianalytic.scene.errors import TensionError
 from semianalytic.scene.scene import Scene
 
 SINGLE_SIZE = 4096
-"""Nodes up to which the memory has single precision: slip rates change by 5e-6 of themselves."""
+"""Nodes up to which all of the memory has single precision: slip rates change by 5e-6 of
+themselves.  Beyond, the lowest eighth of wavenumbers has double precision: they change by 3e-8."""
 SINGLE_RATES = 1e-20, 1e20
 """Slip rates [length / time] that single precision, 1e-38 to 3e38, holds with all their sums."""
 
@@ -51,9 +52,13 @@ class SlotLine(ClosedLine):
         # rates of units that are far from 1 would leave the range of single precision
         sizes = [max(abs(one.pressure), abs(one.shear)) for one in scene.superposition]
         usual = SINGLE_RATES[0] < max(sizes) / self.impedance < SINGLE_RATES[1]
-        single = usual and nodes.size <= SINGLE_SIZE
-        self.memory = LineMemory(marched.memory, self.grid.wavenumbers, single=single)
+        double = 0 if nodes.size <= SINGLE_SIZE else nodes.size // 8
+        double = double if usual else nodes.size
+        self.memory = LineMemory(marched.memory, self.grid.wavenumbers, double=double)
         self.memory.put_back(marched.past)
+        # what the history adds to the shear of the uncut line, and of slot faces: Q_b - Q_0 f
+        load, self._base = scene.superposition.taken_off.shear, scene.base.shear
+        self._shares = (load, 0.0) if scene.arrives else (0.0, -load)
         self._front = front_of(scene, nodes, marched.entry) if scene.front_slowness else None
         self._pressure: GridPressure | FrontPressure
         if self._front is not None and scene.superposition.taken_off.pressure:
@@ -83,12 +88,8 @@ class SlotLine(ClosedLine):
         """Return a level under the history of the shear load, and a contact pressure."""
         if self._front is not None:
             return Level(time, step, *self._front("shear", time, step), pressure)
-        scene, load = self.scene, self.scene.superposition.taken_off.shear * load
-        if scene.arrives:
-            return Level(time, step, scene.base.shear + load, scene.base.shear, pressure)
-        # the slot carries Q_b - Q_0 f
-        uncut = scene.superposition.in_place.shear
-        return Level(time, step, uncut, uncut - load, pressure)
+        line, faces = self._shares
+        return Level(time, step, self._base + line * load, self._base + faces * load, pressure)
 
     def _means(self, ends: Array, steps: Array) -> list[float]:
         """Return the history of the shear load at the ends of steps, (k,); before it at a jump.
