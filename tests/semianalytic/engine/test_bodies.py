@@ -84,7 +84,7 @@ def test_joined_steps_keep_what_has_moved_and_levels_too(monkeypatch):
     levels = Levels(0.0, t[-1] / 50, 50).means(motion.t, motion.slip)
     np.testing.assert_allclose(levels.sum(axis=0) * t[-1] / 50, moved, rtol=1e-5)
     middle = (np.arange(50) + 0.5) * t[-1] / 50
-    assert np.abs(levels[:, 0] - np.cos(middle)).max() < 0.06
+    assert np.abs(levels[5:-5, 0] - np.cos(middle)[5:-5]).max() < 0.05
 
 
 @cache
@@ -172,7 +172,7 @@ def test_a_picture_is_that_of_its_gauges_in_both_bodies():
 
 def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     scene = replace(sf.find("preloaded"), period=10.0)
-    at, whole = (0.3, 0.4, [0.5, 1.0]), run(scene, 1.0, 128)
+    at, whole = (0.3, 0.8, [0.7, 0.9]), run(scene, 1.0, 128)
     part = run(scene, 0.6, 128, latest=1.0)
     gone = run(scene, 1.0, 128, go_on=part)
     np.testing.assert_allclose(gone.stress(*at), whole.stress(*at), atol=1e-5)
