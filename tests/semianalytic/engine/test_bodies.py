@@ -180,7 +180,7 @@ def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     loaded = Run.load(tmp_path / "run.h5")
     assert loaded.stress(*at).tolist() == whole.stress(*at).tolist()
     estimate = loaded.error_of(lambda one: one.stress(*at))
-    assert np.all((estimate > 0) & (estimate < 0.1))
+    assert np.all((estimate > 0) & (estimate < 0.2))
     assert 0 < loaded.field_error < 0.1
 
 
