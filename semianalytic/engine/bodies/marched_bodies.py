@@ -88,11 +88,11 @@ class MarchedBodies:
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `AnswerInBodies.velocity`."""
-        return self._field("velocity", x, y, t)
+        return self._carried(self._field("velocity", x, y, t), y, 1.0)
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement since t = 0; see `AnswerInBodies.displacement`."""
-        return self._field("displacement", x, y, t)
+        return self._carried(self._field("displacement", x, y, t), y, np.maximum(t, 0.0))
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress; see `AnswerInBodies.stress`."""
@@ -107,6 +107,12 @@ class MarchedBodies:
                 for row, of, sign in ((1, "pressure", -1.0), (-1, "shear", 1.0)):
                     if size := _uniform(getattr(load, of)):
                         rows[row] += sign * size * _factors(load, t)
+        return rows
+
+    def _carried(self, rows: Array, y: ArrayLike, amount: ArrayLike) -> Array:
+        """Return rows of a motion with that of the bodies far away added, so often [time]."""
+        half = np.copysign(self.scene.plate_rate / 2, np.asarray(y, dtype=float))
+        rows[-1 if self.scene.antiplane else 0] += half * np.asarray(amount)
         return rows
 
     def _field(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -131,9 +137,8 @@ class MarchedBodies:
         return rows
 
     def _count(self, quantity: Quantity) -> int:
-        return (3 if quantity == "stress" else 2) + (
-            self.scene.antiplane * (1 + (quantity == "stress"))
-        )
+        stress, along = quantity == "stress", self.scene.antiplane
+        return 2 + stress + along * (1 + stress)
 
     def _moved(self, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
         """Return the rows (n, p) of a quantity that motion of the faces makes, at points (p,)."""
@@ -345,7 +350,7 @@ def bodies_on(scene: Scene, motion: Motion, grid: Grid) -> MarchedBodies:
             np.concatenate([one[:, alone:][:, ::-1], one[:, : one.shape[1] - alone]], axis=1)
             for one in (slip, opening)
         )
-    motion = Motion(motion.t, slip, opening)
+    motion = Motion(motion.t, slip, opening if opening.any() else opening[:, :0])
     spacing = grid.spacing
     edges = tuple(singular_edges(scene, motion, first, spacing))
     centre = 0.0 if grid.even else None

@@ -128,7 +128,12 @@ class Levels:
         """Number of times after which the transform repeats itself."""
         from scipy.fft import next_fast_len  # here, for `import semianalytic` is to be quick
 
-        return int(next_fast_len(math.ceil(1.5 * self.count), real=True))
+        return int(next_fast_len(max(3 * self.count // 2, self.count + 2 * self.fading), real=True))
+
+    @property
+    def fading(self) -> int:
+        """Number of times on which rates fade out: many, for some belong to the last level."""
+        return max(self.count // 4, 40)
 
     @property
     def fall(self) -> float:
@@ -162,11 +167,11 @@ class Levels:
         """Return transforms along x of mean rates (count, n), fallen and faded, (q, size)."""
         from scipy.fft import rfft
 
-        fading = self.count // 4
+        fading = self.fading
         beyond = np.arange(1, fading + 1)
         # a point reflection about the last value goes on smoothly, while the cosine fades it out
         fade = np.square(np.cos(np.pi / 2 * beyond / (fading + 1)))[:, None]
-        after = fade * (2 * means[-1] - means[-1 - beyond])
+        after = fade * (2 * means[-1] - means[np.maximum(self.count - 1 - beyond, 0)])
         nodes, middles = means.shape[1], self.step * (np.arange(self.count + fading) + 0.5)
         falls = (self.step / nodes * np.exp(-self.fall * middles))[:, None]
         lines = np.zeros((nodes // 2 + 1, self.size), dtype=complex)

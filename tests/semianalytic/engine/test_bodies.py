@@ -202,3 +202,11 @@ def test_base_that_varies_along_x_is_left_out_of_stress():
     stress = run(scene, 0.5, 64, estimate=False).stress([0.0, 9e3], 5e3, 0.0)
     assert stress[2].tolist() == [0.0, 0.0]
     assert stress[1].tolist() == [-scene.base.pressure] * 2
+
+
+def test_faces_move_apart_by_slip_that_the_plates_carry():
+    one = marched("rate-and-state", 64, end_time=0.5, estimate=False)
+    x = one.interface.x[4:20]
+    for name, rate in (("velocity", one.interface.slip_rate), ("displacement", one.interface.slip)):
+        apart = np.subtract(*(getattr(one, name)(x, y, one.end_time)[0] for y in (0.0, -0.0)))
+        np.testing.assert_allclose(apart, rate[-1, 4:20], rtol=0.01)
