@@ -22,6 +22,7 @@ from compare.comparison.quantities.edge_rows import (
     room,
 )
 from compare.comparison.quantities.history_rows import map_row
+from compare.comparison.quantities.likeness_rows import likeness_rows
 from compare.comparison.quantities.local_rows import STILL, local_rows
 from compare.comparison.quantities.own_rows import (
     BEYOND,
@@ -74,18 +75,12 @@ class LineMesh:
     resolution: int
     element_size: float
     companion: LineMesh | None
-    rate_window: float = 0.0
 
 
 class LineCase(Case):
     """A run and simulations of the same interface, ready to be compared in its own units."""
 
-    amplified, needed, error_estimate, strength_changes = "", None, 0.0, ()
-    largest_order = 1.0
-    """Faces that are loaded suddenly start a part of a step late, which is an error of first order
-    in all slip that follows, however fast the rest of it converges.  With 1.25, as for scenes, slip
-    under rate-and-state friction was 1.0 to 1.2 bars off; with half of this value bars are twice as
-    long."""
+    amplified, needed, error_estimate, strength_changes, scales = "", None, 0.0, (), False
     local = 4.0
     """No place of 36 drawn interfaces was beyond 3.4 times what coarser meshes let expect without
     this; with half of this value one in three had a place that is not known to be right."""
@@ -125,6 +120,23 @@ class LineCase(Case):
         apart = x[:, None] - np.concatenate(slots) + period / 2
         apart = np.abs(apart % period - period / 2)
         return np.asarray(apart.min(axis=1, initial=np.inf) < width)
+
+    @cached_property
+    def window(self) -> float:
+        """Time over which slip rates are averaged where meshes are compared [time], between stored
+        levels: about the window of the coarsest mesh."""
+        bodies, passed = self.run.scene.bodies, float(self.seen.t[1] - self.seen.t[0])
+        crossing = self.runs[-1].element_size / min(body.shear_speed for body in bodies)
+        return passed * max(1, round(RATE_WINDOW * crossing / passed))
+
+    def largest_order(self, kind: str) -> float:
+        """Return the highest order of convergence that is believed of a kind of field.
+
+        Faces that are loaded suddenly start a part of a step late, which is an error of first order
+        in all slip that follows, however fast the rest of it converges.  With 1.25, slip under
+        rate-and-state friction was 1.0 to 1.2 bars off.
+        """
+        return 1.1 if kind == "slip rate" else 1.0
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
@@ -227,6 +239,7 @@ class LineCase(Case):
             yield map_row(self, name, unsure, smooth=True)
         yield from local_rows(self)
         yield from self._law_rows()
+        yield from likeness_rows(self)
 
     def _zones(self, history: InterfaceHistory) -> tuple[SlipInterval, ...]:
         """Return where a history slips at the end, from one node before the first one on."""
