@@ -216,6 +216,9 @@ class HasRows(Generic[AnyRow]):
         verdicts = [row.verdict for row in deciding if row.size]
         if self.basis == REST and UNRESOLVED in verdicts:
             return UNRESOLVED
+        # tractions stand for slip that no mesh can tell only where they are known well
+        if self.basis == REST and not self.rests and any(row.width > WIDE for row in deciding):
+            return UNRESOLVED
         if self.rests and not verdicts:  # laws are all that is left to agree
             verdicts = [row.verdict for row in self.rows]
         return overall(verdicts)
