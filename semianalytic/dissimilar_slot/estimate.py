@@ -24,7 +24,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
         return error
     # Values up to 3 at points between those compared, or 6 under a film of resistance 1.5.
     error += 4.0 * tolerance * max(1.0, 3.0 * fine.interface.resistance)
-    # One Newton step from the coarse mismatch tells where the coarse rule would put the edges.
+    # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
     move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
