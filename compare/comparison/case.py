@@ -333,10 +333,6 @@ class Case:
         """Names of the fields that are compared place by place."""
         return (*FIELDS[:-1], *(["gap"] if self.opens else []))
 
-    def estimate(self, name: str) -> float:
-        """Return the relative error estimate of a field of an exact prediction, else 0."""
-        return self.error_estimate
-
     def place(self, level: int, node: int) -> str:
         """Return the words for a place and a time of the simulation."""
         x, t = self.seen.x[node] / self.length, self.seen.t[level] / self.end_time

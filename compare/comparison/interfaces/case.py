@@ -136,7 +136,7 @@ class LineCase(Case):
         in all slip that follows, however fast the rest of it converges.  With 1.25, slip under
         rate-and-state friction was 1.0 to 1.2 bars off.
         """
-        return 1.1 if kind == "slip rate" else 1.0
+        return super().largest_order(kind) if kind == "slip rate" else 1.0
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
@@ -217,26 +217,12 @@ class LineCase(Case):
         """Whether the contact opens anywhere, in the run or simulated."""
         return "gap" in self.fields
 
-    def estimate(self, name: str) -> float:
-        """Return the relative error estimate of a field: of pressure, that of its change."""
-        # the estimate of pressure is relative to all of it, that of traction to its change
-        done, size = self.run, self._mean(name, self.at_nodes)
-        share = done.error_estimates.get(name, 0.0)
-        if name == "pressure" and size:
-            share *= (
-                float(np.abs(done.interface.pressure[:, done.interface.touching]).mean()) / size
-            )
-        return share
-
     def rows(self) -> Iterator[Row]:
         """Rows of all fields over space and time, at their worst places, and of laws."""
         if "slip_rate" in self.fields:
             yield from self._edge_rows()
         for name in self.fields:
-            unsure = np.full_like(
-                self.seen.slip, self.estimate(name) * self._mean(name, self.at_nodes)
-            )
-            yield map_row(self, name, unsure, smooth=True)
+            yield map_row(self, name, np.zeros_like(self.seen.slip), smooth=True)
         yield from local_rows(self)
         yield from self._law_rows()
         yield from likeness_rows(self)
@@ -347,7 +333,8 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         changes = InterfaceHistory(x=one.x, t=one.t, **fields)
         mesh = LineMesh(one, changes, one.nodes, done.scene.period / one.nodes, mesh)
     both: tuple[Any, Any] = done, mesh
-    return LineCase(*both, predicted_changes(done, simulations[0].x), None)
+    coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
+    return LineCase(*both, predicted_changes(done, simulations[0].x), coarse)
 
 
 def predicted_changes(done: Run, x: Array) -> InterfaceHistory:

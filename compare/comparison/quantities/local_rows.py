@@ -60,7 +60,7 @@ def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
     change += _driven(case, name)
     largest = float(np.abs(getattr(middle, name)).max()) / unit
     bar = LOCAL * scipy.ndimage.maximum_filter(change, _band(case)) + LOCAL_FLOOR * largest
-    bar = case.local * bar + case.nothing(name) + case.estimate(name) * largest
+    bar = case.local * bar + case.nothing(name) + case.error_estimate * largest
     if case.doubted is not None:
         doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
         bar += scipy.ndimage.maximum_filter(doubt, _band(case))
