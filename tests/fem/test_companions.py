@@ -77,13 +77,13 @@ def test_only_what_is_missing_is_run(carrying, monkeypatch):
 
 def test_companions_have_the_settings_of_the_simulation():
     options = {"damping": 0.05, "step_ratio": 0.7, "end_time": 0.5}
-    options |= {"element": "P1", "mesh": "graded", "model": "two-blocks"}
+    options |= {"model": "two-blocks"}
     one = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
     pair = replace(SHOCK, lower_material=sf.Material(2.0, 1.0, 0.3))
     for run in (one, with_companions(simulate(pair, resolution=32))):
         for times, other in ((2, run.companion), (4, run.companion.companion)):
             assert (other.scene, other.resolution) == (run.scene, run.resolution / times)
-            for name in ("damping", "element", "mesh", "model", "end_time"):
+            for name in ("damping", "model", "end_time"):
                 assert getattr(other, name) == getattr(run, name), name
             assert other.time_step == pytest.approx(times * run.time_step)
     assert one.companion.interface.t[1] == pytest.approx(one.interface.t[1])
