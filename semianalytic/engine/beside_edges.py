@@ -46,7 +46,8 @@ def hidden_openings(
     """Return the areas of openings that no node shows, and the forces of which they relieve slip.
 
     A singular tension opens an edge as far as the pressure that is left there lets it, like slip
-    against its strength [length^2, stress length].
+    against its strength [length^2, stress length].  Of the slip that a force at an edge causes half
+    is on the slot: half the force is returned.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ def hidden_openings(
     """
     closed = (pressure > 0) & (pressure < left)
     lengths, areas = zone_beside_edge(left - pressure, left, closed, spacing, compliance)
-    return areas, lengths * np.abs(shear) * left / np.where(closed, pressure, 1.0)
+    return areas, lengths / 2 * np.abs(shear) * left / np.where(closed, pressure, 1.0)
 
 
 class EdgeNodes:

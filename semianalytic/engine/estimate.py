@@ -85,11 +85,13 @@ def estimated(
         apart = (np.abs(fine - other) + misplaced * np.abs(moved)).sum(axis=0)
         # where the finer grid has nothing and the coarser one something, the error is all of it
         sizes[name] = max(float(scale.sum()), float(apart.sum()))
-        shares[name] = apart.sum() / sizes[name] if sizes[name] else 0.0
+        shares[name] = float(apart.sum()) / sizes[name] if sizes[name] else 0.0
         if name in ("slip", "slip_rate"):
             # One of two edges may be far off though most slip is beside the other one.
-            local = (apart[one].sum() / max(scale[one].sum(), apart[one].sum()) for one in zones)
-            shares[name] = max(shares[name], *local, 0.0)
+            sums = ((float(apart[one].sum()), float(scale[one].sum())) for one in zones)
+            shares[name] = max(
+                shares[name], 0.0, *(off / max(size, off) for off, size in sums if off)
+            )
     tried = Tried(done.nodes, shares[deciding(done, shares)])
     order = None if coarser is None else order_seen(coarser, tried)
     # ends that lie elsewhere are known less well than zones on few nodes
