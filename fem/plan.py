@@ -307,5 +307,6 @@ def make_plan(
         )
     settings = replace(settings, **options)
     scene = checked_scene("simulate", scene)
-    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    if end_time is None:
+        end_time = scene.run.get("end_time", 1 / scene.material.shear_speed)
     return Plan(scene, end_time, settings, full)

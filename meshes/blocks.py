@@ -148,8 +148,8 @@ def causal_blocks(
     Parameters
     ----------
     speed : float
-        Of the fastest wave, c_l; c_t under antiplane shear alone, whose plane waves free side walls
-        let pass [length / time].
+        Speed of the fastest wave, c_l; c_t under antiplane shear alone, whose plane waves free
+        side walls let pass [length / time].
     end_time : float
         T [time], positive.
     size : float

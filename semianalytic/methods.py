@@ -47,7 +47,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     Parameters
     ----------
     problem : Scene, str or path
-        What slips, or its name or file as for `find`.
+        The scene, or its name or file as for `find`.
     method : str
         "auto", or the name of a method (docs/methods.md).
     **settings
@@ -73,6 +73,10 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     problem = find(problem) if isinstance(problem, str | PathLike) else problem
     name, solver = chosen(problem, method)
     known = [*inspect.signature(solver.solve).parameters.values()][1:]
+    own = dict(getattr(problem, "run", {}))  # settings of a march, which exact answers pass over
+    if "go_on" in settings:
+        own.pop("nodes", None)  # which are those of the march that goes on
+    settings = {k: v for k, v in own.items() if k in {one.name for one in known}} | settings
     unknown = sorted(settings.keys() - {one.name for one in known})
     if unknown and all(one.kind is not one.VAR_KEYWORD for one in known):
         takes = ", ".join(one.name for one in known) or "none"

@@ -1,4 +1,4 @@
-"""Public names of packages: each is listed once, in the stub beside the package's ``__init__.py``.
+"""Public names of packages: each is listed once, in the stub of its package.
 
 Type checkers read the stub as it is; a name is imported from its module when it is first used.
 """

@@ -7,7 +7,7 @@ from pathlib import Path
 def hiding() -> str:
     """Say in a sentence which file of the user is imported in place of a package of ours, or "".
 
-    Python looks in the folder of a script first, so that a ``fem.py`` beside it becomes `fem`.
+    Python looks in the folder of a script first, so that a ``fem.py`` next to it becomes `fem`.
     """
     house = Path(__file__).parents[1]
     for name in ("semianalytic", "fem", "meshes", "compare"):

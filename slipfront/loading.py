@@ -35,9 +35,8 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
     MissingLibraryError
         If h5py is not installed.
     DataFileError
-        If the file is missing, damaged, or holds no answer.
-    SceneError
-        If the file holds a run of a scene with functions of Python, and it is not given.
+        If the file is missing, damaged, or holds no answer, or that of a scene with functions of
+        Python, which is not given.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Answers to the problem sheets: solved or marched when they are asked for; of interfaces, stored.
 
-What is solved is sure to ten digits, between different bodies to nine, and written so; what comes
+Exact answers are sure to ten digits, between different bodies to nine, and written so; what comes
 of grids is written to seven digits at most, with a stated error.
 """
 
@@ -41,7 +41,7 @@ FINE = 1000
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What an interface does at the stations of its sheet: the limit of two grids.
+    """Records of an interface at the stations of its sheet: the limit of two grids.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ def checksums(contents: Mapping[str, bytes]) -> str:
 def values_of(answer: Answered, name: str, x: ArrayLike, t: ArrayLike) -> Array:
     """Return one of `QUANTITIES` of an answer at positions and times, of broadcast shape.
 
-    Of interfaces it is that at the nearest stations and times.
+    For interfaces it is that at the nearest stations and times.
     """
     if isinstance(answer, Stored):
         return np.asarray(answer.values[name][_nearest(answer.t, t), _nearest(answer.x, x)])
@@ -152,7 +152,7 @@ def numbers_of(sheet: Sheet) -> dict[str, Any]:
     """Numbers of an answer at t = T by name.
 
     "zones", rows of inner and outer edge [length / time] and sense; "openings", rows of two edges;
-    "arrivals" at the stations [time], None where there is none; totals.  Of interfaces arrivals
+    "arrivals" at the stations [time], None where there is none; totals.  Interfaces have arrivals
     and "slip" at the stations alone.
     """
     answer = answer_to(sheet)

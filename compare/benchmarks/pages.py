@@ -121,7 +121,7 @@ def _classes(sheet: Sheet) -> Iterator[str]:
         return
     yield (
         "The largest errors of a first-order scheme (our finite elements) on 200 (A), 100 (B) and "
-        f"50 cells (C) over {sheet.extent_words}; beyond them is D. Of arrivals the root of the "
+        f"50 cells (C) over {sheet.extent_words}; beyond them is D. For arrivals the root of the "
         "mean square error over T, of all else the relative L1 error over time and all stations."
     )
     yield markdown_table(

@@ -31,14 +31,14 @@ Array = NDArray[np.float64]
 ARRIVAL = "arrival"
 GRADED = (ARRIVAL, *QUANTITIES)
 ENOUGH = 0.9
-"""Part of the time, at all stations together, that a run has to hold to have a class."""
+"""Part of the time, at all stations together, that a run has to cover to have a class."""
 LONGEST_STEP = 1 / 32
 """Longest step between two samples over T that counts as held: that of the answers' tables."""
 NOTHING = 1e-9
 """An exact norm below this, relative to that of the reference value, is zero; and rounding of
 times."""
 _STATED = Conventions(sign="as-given", slip="relative", pressure="compression", tractions="total")
-"""What a sheet asks for, so that nothing is inferred."""
+"""Conventions that a sheet asks for, so that nothing is inferred."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Score:
     ----------
     file, sheet : str
     verdict : str
-        What `validate` says of the whole run; "" of what is no scene with a slot in one solid.
+        Verdict of `validate` on the whole run; "" unless it is a scene with a slot in one solid.
     quantity : str
         One of `QUANTITIES`, or "arrival".
     error : float
@@ -60,7 +60,7 @@ class Score:
     held : float
         Part of the time, at all stations together, that the run holds without gaps.
     notes : tuple of str
-        What was made of the run in reading it, and what was not read, a sentence each.
+        Corrections made in reading the run, and parts that were not read, a sentence each.
     """
 
     file: str

@@ -49,14 +49,14 @@ class Sheet:
         That of the scene or whole line, unless there is an interface.
     title : str
     tests : str
-        What a code that passes can do.
+        Abilities of a code that passes.
     report : tuple of str
         Quantities to record at the stations, among `compare.records.record.QUANTITIES`.
     arrival : str
-        What is timed at the stations: "slip", the first slip rate above a level; "opening", the
+        Event timed at the stations: "slip", the first slip rate above a level; "opening", the
         first pressure below it; "" if nothing is.
     note : str
-        What else has to be known.
+        Further information.
     statement : str
         The problem in words.
     interface : str

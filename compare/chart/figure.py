@@ -1,4 +1,4 @@
-"""What the points of a chart say, as figure, table, sentences and JSON."""
+"""Results of a chart as figure, table, sentences and JSON."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FOUND_FILE = "data/chart-found.csv"
 
 @dataclass(frozen=True)
 class Found:
-    """What the points of one method on one scene say; nan where they say nothing.
+    """Results of one method on one scene; nan where its points do not determine them.
 
     Times are in seconds.  The slope is the power of time with which errors fall, by least squares
     over points that are worse than the reference is uncertain; their times differ by a factor of 3.

@@ -1,4 +1,4 @@
-"""What is charted, the methods that answer it, and one measured point of a method.
+"""Scenes of a chart, the methods that answer them, and one measured point of a method.
 
 ``python -m compare.chart.methods SOURCE END_TIME METHOD SETTING --lifeline`` measures one point in
 a process of its own with one linear-algebra thread, and prints it as JSON: no point warms up

@@ -75,6 +75,7 @@ def compare(
         return compare_interface(found, **given)
     from fem import simulate, with_companions
 
+    end_time = found.run.get("end_time") if end_time is None else end_time
     if end_time is not None:
         settings["end_time"] = end_time
     prediction, choice = planned(found, method, budget, snapshots=False, **settings)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Judgement(HasRows[Row]):
     """All rows of one comparison.
 

@@ -167,7 +167,7 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
 
 
 def _name_at(panel: Axes, front: Front, window: Window) -> tuple[float, float] | None:
-    """Return where the name of a front is seen, clear of others: at its place or beside it."""
+    """Return where the name of a front is seen, clear of others: at its place or near it."""
     x0, x1, y0, y1 = window
     taken = [text.xy for text in panel.texts if isinstance(text, Annotation)]
     wanted = None

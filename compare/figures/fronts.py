@@ -46,7 +46,7 @@ class Front:
     x, y : (n,) arrays
         Points of the front [length], y >= 0.
     share : float
-        Position of its name along the front, from 0 to 1; 0 puts it beside the start.
+        Position of its name along the front, from 0 to 1; 0 puts it near the start.
     sides : tuple of int
         1 for the upper body and -1 for the lower one, where y is mirrored.
     """

@@ -171,7 +171,7 @@ def scene_words(scene: Scene) -> str:
     elif isinstance(load, MovingLoad):
         base += f"load moves at {load.speed:.3g},  "
     sizes = ""
-    if scene.units:  # else they are of the scene's own units, in which numbers tell nothing more
+    if scene.units:  # else they are of the scene's own units, in which numbers mean nothing more
         speed = scene.material.shear_speed
         sizes = f" = {slip_rate_scale(scene):.3g} m/s,  cₜ = {speed:.4g} m/s"
     upper, lower = scene.bodies

@@ -65,7 +65,7 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
 
 
 def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
-    """Records of a fault of SEM2DPACK, from its header; data and initial tractions lie beside it.
+    """Records of a fault of SEM2DPACK, from its header; the data are in the same folder.
 
     Tractions in the data are changes, to which the initial ones are added.
     """

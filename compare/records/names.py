@@ -72,11 +72,11 @@ class Columns:
     places : mapping from str to int
         Column of each of `ALIASES` that there is.
     units : mapping from str to Unit
-        Of those that name one.
+        Units of the columns that name one.
     changes : frozenset of str
         Tractions that are changes since t = 0, by their names.
     notes : tuple of str
-        What was taken for granted, a sentence each.
+        Assumptions that were made, a sentence each.
     unread : tuple of str
         Names of all other columns.
     """
@@ -115,9 +115,9 @@ def known_columns(
     path, line
         For messages, with the line of the names, 0 where there is none.
     names : sequence of str
-        Of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm".
+        Names of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm".
     told, units : mapping
-        Names of columns by what they hold, for those that are told, and units by name of column
+        Names of columns by quantity, for those that are stated, and units by name of column
         where a file has them apart.
     bodies : bool
         Whether y, quantities inside the bodies and noise are known, besides those of `ALIASES`.
@@ -125,7 +125,7 @@ def known_columns(
     Raises
     ------
     DataFileError
-        If a column that is told is not there, two hold the same, or a unit is not known.
+        If a stated column is absent, two contain the same quantity, or a unit is not known.
     """
     apart = units or {}
     places: dict[str, int] = {}

@@ -75,7 +75,7 @@ class Stated:
     Attributes
     ----------
     units : mapping from "x", "t" and `QUANTITIES` to Unit
-        Of the columns that name one.  Their numbers in `Records` are converted to SI units.
+        Units of the columns that name one.  Their numbers in `Records` are converted to SI units.
     faces : frozenset of str
         Quantities that are the motion of one face alone.
     changes : frozenset of str
@@ -111,7 +111,7 @@ class Records:
     source : str
         The file or files.
     notes : tuple of str
-        What was mended in reading, a sentence each.
+        Corrections made in reading, a sentence each.
     spacing : float or None
         Between the points of that code's grid [length, in the unit of x], where its file says so.
     stated : Stated
@@ -133,7 +133,7 @@ class Records:
 
 
 class Placed(NamedTuple):
-    """What a column of a table with a column for each gauge records, and where [unit of scene]."""
+    """Quantity and place [unit of scene] of a column in a table with one column for each gauge."""
 
     quantity: str
     x: float
@@ -155,7 +155,7 @@ class ReadingOptions:
         or "velocity_upper", "velocity_lower", "displacement_upper", "displacement_lower"; for
         meshes "velocity" and "displacement".
     gauges : mapping
-        What each column of a table with a column for each gauge records, by its name.
+        Quantity and place of each column in a table with one column for each gauge, by name.
     """
 
     at: tuple[float, ...] = ()

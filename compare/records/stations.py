@@ -45,7 +45,7 @@ def joined_faces(
 def station(
     path: Path, x: float, t: Array, values: Mapping[str, Array]
 ) -> tuple[Record, list[str]]:
-    """A record of times that increase, and what was mended; DataFileError if it is empty."""
+    """A record of increasing times, and the corrections; DataFileError if it is empty."""
     notes = []
     timed = np.isfinite(t)
     if not timed.all():
@@ -80,7 +80,7 @@ def station(
 
 
 Stations = tuple[tuple[Record, ...], list[str]]
-"""Records by position, and what was mended in them."""
+"""Records by position, and the corrections made in them."""
 
 
 def _stations(

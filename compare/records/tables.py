@@ -40,7 +40,7 @@ _CELLS = re.compile(r"^cells\s*[:=]\s*(\d+)", re.IGNORECASE)
 
 
 def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
-    """Records of a text file, and whether it is one station of a run, which may be told to be at x.
+    """Records of a text file, and whether it is a station of a run, which may be given its x.
 
     A DataFileError says where it cannot be read.
     """
@@ -187,7 +187,7 @@ def _rows_of(values: Mapping[str, Array], here: NDArray[np.bool_]) -> dict[str, 
 
 
 def _misplaced(y: Array, values: Mapping[str, Array], fields: Mapping[str, Array]) -> list[str]:
-    """What is left out because it is not where it belongs, a sentence each."""
+    """Parts that are omitted because they are misplaced, a sentence each."""
     notes = []
     for named, there, where in (
         (values, np.isfinite(y) & (y != 0), "is of the interface, where y is 0 or missing"),

@@ -27,7 +27,7 @@ Item = TypeVar("Item")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables of a process with one linear-algebra thread."""
 LIFELINE = "--lifeline"
-"""Argument that tells a program that its standard input is a `lifeline`."""
+"""Argument that informs a program that its standard input is a `lifeline`."""
 
 
 def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Iterator[Item]:

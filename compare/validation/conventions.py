@@ -16,7 +16,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "slip": ("relative", "half", "face"),  # half of relative slip, or the motion of one face
     "pressure": ("compression", "tension"),
     "tractions": ("total", "changes"),  # those since t = 0
-    "rate": ("point", "before", "after"),  # at its time, or the mean over the step beside it
+    "rate": ("point", "before", "after"),  # at its time, or the mean over the step next to it
 }
 """Words that each convention takes."""
 
@@ -31,11 +31,11 @@ class Conventions:
     Parameters
     ----------
     scale : mapping from str to float
-        What numbers of the file are multiplied by to be in units of the scene: "length", "time",
+        Factors from numbers of the file to units of the scene, by name: "length", "time",
         "stress", or single quantities, "x", "t", "slip", "slip_rate", "shear_traction",
         "pressure", which may be negative where a sense is the other one.
     sign : str or None
-        Of slip, slip rate and shear traction together: "as-given" or "reversed".
+        Sense of slip, slip rate and shear traction together: "as-given" or "reversed".
     slip : str or None
         "relative", "half", or "face": the motion of one face.
     pressure : str or None
@@ -43,7 +43,7 @@ class Conventions:
     tractions : str or None
         "total", or "changes": those since t = 0, without the base.
     rate : str or None
-        What a slip rate is: that at its time, "point", or the mean over the step "before" or
+        Meaning of a slip rate: that at its time, "point", or the mean over the step "before" or
         "after" it.
     noise : mapping from str to float
         Standard deviation of the errors of samples by quantity, in units of the file.

@@ -39,7 +39,7 @@ not read; with twice of it a factor of two passes."""
 TELLING = 1e-5
 """Mean of a quantity over its unit below which the answer says nothing of its sense or size."""
 SHARP, CLEARLY = 0.02, 5.0
-"""Error of slip rates above which means over steps are not told from values at their times, and the
+"""Error of slip rates above which means over steps are not distinguished from values, and the
 factor by which they have to be nearer to a mean: the exact record on 41 steps is 9 times, and noise
 of 1 % makes no difference between them."""
 FAR_OFF = 1.9

@@ -64,11 +64,11 @@ class Grids:
     ----------
     runs : tuple of Records
     spacing : float or None
-        Of the finest [length].
+        Spacing of the finest run [length].
     ratio : float
-        Of the spacings of two runs that follow each other.
+        Ratio of the spacings of two successive runs.
     sampling : Sampling
-        What a slip rate is.
+        Meaning of a slip rate.
     noise : mapping from str to float
         Standard deviation of the errors of samples, in units of the scene.
     """

@@ -22,13 +22,13 @@ class Norm:
     ----------
     quantity : str
     x : float or None
-        Of the station [length]; None of all.
+        Position of the station [length]; None for all together.
     exact : float
         Mean of the exact |quantity|, in its unit.
     simulated : float
         The same of what was recorded.
     L1, L2 : float
-        Of the difference, over those of the exact record; over its unit where that is nothing.
+        Norm of the difference over that of the exact record; over its unit where that is 0.
     samples : int
     """
 

@@ -30,7 +30,7 @@ class Conversion:
     factors, offsets : mapping from str to float
         By quantity, "x" and "t"; 1 and 0 unless given.
     sampling : Sampling
-        What a slip rate is.
+        Meaning of a slip rate.
     """
 
     factors: Mapping[str, float] = field(default_factory=dict)

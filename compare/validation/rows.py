@@ -31,7 +31,7 @@ THRESHOLD = 0.01
 FEW = 4
 """Least number of samples that a record must have to be judged."""
 COVERED = 0.5
-"""Part of the time of a record that has to be free of gaps for a row to tell anything."""
+"""Part of the time of a record that has to be free of gaps for a row to be judged."""
 NOISY = 5.0
 """Least threshold of slip rate in standard deviations of the noise.  By chance one sample in three
 million exceeds it; at half of it one in a hundred does."""
@@ -44,7 +44,7 @@ SLIDING = 0.05
 STRENGTH_FLOOR = 0.005
 MEDIAN_NOISE = math.sqrt(math.pi / 2)
 """Standard deviation of a median of normally distributed samples, over that of their mean."""
-BETWEEN = f"{BY_LITTLE.format(ALARM)}; a finer grid, or noise that is stated as it is, would tell"
+BETWEEN = f"{BY_LITTLE.format(ALARM)}; a finer grid or the true noise would decide it"
 NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
@@ -100,7 +100,7 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
 
 
 def _too_few(record: Record, name: str, norm: Norm) -> str:
-    """Why a record with gaps tells nothing; "" if it does."""
+    """Reason why a record with gaps is not judged; "" if it is."""
     if norm.samples < FEW:
         return f"fewer than {FEW} samples"
     whole = float(record.t[-1] - record.t[0])
@@ -147,7 +147,7 @@ def _too_wide(bar: Bar, grids: Grids, exact: Exact) -> str:
     if bar.answer >= grid:
         return f"the error of the answer leaves it open by {100 * (bar.whole or 0.0):.2g} %"
     cells = _cells(grids, exact, bar)
-    remedy = f"; {cells} cells over c_t T would tell" if cells else "; a finer grid would tell"
+    remedy = f"; {cells} cells over c_t T suffice" if cells else "; a finer grid is needed"
     return f"this grid leaves it open by {100 * (bar.whole or 0.0):.2g} %{remedy}"
 
 

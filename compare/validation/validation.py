@@ -1,4 +1,4 @@
-"""Records of another code held against the exact answer."""
+"""Records of another code compared with the exact answer."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ONE_FACE = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Validation(HasRows[JudgedRow]):
     """Records against the exact answer, quantity by quantity.
 
@@ -50,13 +50,13 @@ class Validation(HasRows[JudgedRow]):
     detection : Detection
         The answer, until T, and how the numbers of the file were read.
     grids : Grids
-        What was recorded, read in units and conventions of the scene.
+        Records in units and conventions of the scene.
     notes : tuple of str
-        What was given, and what was mended: read them first.
+        Conventions that were given, and corrections: read them first.
     rows : tuple of JudgedRow
         With their verdicts.
     norms : tuple of Norm
-        Of all stations together, then of each.
+        Norms of all stations together, then of each.
     """
 
     scene: Scene
@@ -102,7 +102,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def not_compared(self) -> tuple[str, ...]:
-        """Quantities that no file holds, which the verdict says nothing of."""
+        """Quantities that no file contains and the verdict does not cover."""
         there = {name for run in self.grids.runs for one in run.stations for name in one.values}
         return tuple(name for name in QUANTITIES if name not in there)
 
@@ -128,7 +128,7 @@ def validate(
         One run, or one for each resolution, coarse to fine unless spacings say otherwise.  A
         mapping has "t", "x" and some of "slip_rate", "slip", "shear_traction" and "pressure".
     scene : Scene, str or path
-        What was simulated; a name or file as for `find`.
+        Scene that was simulated; a name or file as for `find`.
     spacing : float or sequence of float, optional
         Distance of the grid points of each run on the interface, in the unit of x of its file; 0
         for a gauge without any extent, whose noise is known.

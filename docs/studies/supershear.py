@@ -5,7 +5,7 @@ rupture runs before it overtakes shear waves.  Lengths are in units of L_c, the 
 a static crack of the same fracture energy becomes critical,
 L_c = mu (peak - dynamic) distance / (pi (1 - nu) (shear - dynamic)^2), after Andrews (1976).
 
-``python -m docs.studies.supershear --output docs`` makes table and figure of engine_checks.md.
+``python -m docs.studies.supershear --output docs`` makes table and figure of regimes.md.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ class NodeFields:
     ends, skew : (4, m, 1) and (p, 1) arrays
         Ends and rho of the panels.
     amounts, exponents : (q, 1) arrays
-        Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
+        Powers that the slope of slip rate has near borders of an opening; not part of `rate`.
     tail : () array
         Limit of v^2 dV/dv, as of `Profile`.
     intensity : () array

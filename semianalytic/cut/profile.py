@@ -313,7 +313,7 @@ class Profile:
         """Return the contact pressure at points on the cut, any shape; 0 where it is open."""
         if self.normal is None:
             return self._load.pressure(self.fields.factors, at)
-        # On the panels of slip the small pressure beside an opening is accurate to itself.
+        # On the panels of slip the small pressure near an opening is accurate to itself.
         seen = self.fields.factors.seen_in_plane(CutPoints(at.parts.reshape(4, -1)))
         return -self.normal.traction_at(seen).reshape(at.v.shape)
 

@@ -22,7 +22,7 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 
 @dataclass(frozen=True)
 class SlotFaces:
-    """Motion of the upper slot face beside given zones, for a step of tractions on the slot."""
+    """Motion of the upper slot face near given zones, for a step of tractions on the slot."""
 
     fields: ZoneFields
 

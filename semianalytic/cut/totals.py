@@ -161,7 +161,7 @@ def _beside_opening(
     exponent = np.log(last[:, :1] / last[:, 1:]) / panels.rule.spacing
     unit = Power(panel, False, exponent, np.ones_like(exponent))
     unit = replace(unit, amount=last[:, 1:] / unit.by_y(panels)[:, -1:])
-    # What is left after the power vanishes at the end of the panel, so the rule converges.
+    # The remainder after the power vanishes at the end of the panel, so the rule converges.
     rest = density - unit.by_y(panels)
     inside, behind = (at.minus(left) > 0) & (at.minus(right) < 0), at.minus(right) >= 0
     result = np.zeros((2, len(at.v)))

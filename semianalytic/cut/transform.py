@@ -7,7 +7,7 @@ of M_+ on stick,
     T = s f P + X (C + R),   P = P_0 M_+^I / M_+^I(0),
 
 where C is a Cauchy integral over the parts of the cut on which s f P does not satisfy its
-condition, and R is a constant that follows from T(0).  Of a load whose front moves over the slot
+condition, and R is a constant that follows from T(0).  For a load whose front moves over the slot
 with slowness p, the part of R that its amplitude makes, and P, have the factor k / (k + p), and the
 residue at k = -p takes the place of T(0) (docs/theory.md, "Loads whose front moves").  Where slip
 meets the resistance eta V, Im (1 + eta / M) T is known instead, and X has the phase of

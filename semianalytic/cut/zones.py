@@ -91,7 +91,7 @@ class ZoneSlopes(ZoneTransform):
         driven, pressure = self._reduced_at_c, self._pressure
         if self.normal is not None and pressure.analytic and self.layout.open[self.layout.pole]:
             driven = driven - pressure.sense * self.load.friction * self.normal._reduced_at_c
-        # dV/dv = X (C + R) / (pi v m) beside c, with m = m'(c) (v - c).
+        # dV/dv = X (C + R) / (pi v m) near c, with m = m'(c) (v - c).
         slope = np.pi * self.factors.c * self.factors.impedance_slope_at_c
         return np.asarray((driven / slope)[..., 0])
 
@@ -231,7 +231,7 @@ class ZoneFields(ZoneSlopes):
 
     @property
     def _powers(self) -> tuple[Power, ...]:
-        """Parts of dV/dv that are large beside borders of the opening."""
+        """Parts of dV/dv that are large near borders of the opening."""
         return tuple(
             replace(power, amount=amount * power.amount)
             for amount, sharp in zip(self._amounts, self._sharp, strict=True)
@@ -304,8 +304,8 @@ class ZoneFields(ZoneSlopes):
             excess = gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
             if self.normal is None:
                 return np.asarray(excess)
-            # as if pressure fell from its base to 0 exactly: beside the opening it is known
-            # relative to itself, beside the longitudinal front what the base lacks of friction is
+            # as if pressure fell from its base to 0 exactly: near the opening it is known
+            # relative to itself, near the longitudinal front what the base lacks of friction is
             fall = self.panels.integrals(self.normal.traction_slope)[self.layout.regions[0]]
             share = fall.sum(axis=0) / -self.normal.base_traction
             rest = share * (load.base_pressure + self.normal.base_traction)

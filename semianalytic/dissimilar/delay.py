@@ -45,7 +45,7 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
     """
     from scipy.optimize import minimize_scalar  # here, for `import semianalytic` is to be quick
 
-    # Of 30 pairs the largest growth was at 0.4 to 1 times the slowness of its own wave, none
+    # In 30 pairs the largest growth was at 0.4 to 1 times the slowness of its own wave, none
     # elsewhere from 0.05 to 10.
     low, high = np.log(0.2 * compliance.first), np.log(6.0 * compliance.last)
     scale = np.linspace(low, high, int(np.ceil((high - low) / np.log(_RATIO))) + 1).tolist()

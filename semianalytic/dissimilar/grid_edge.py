@@ -1,4 +1,4 @@
-"""Nodal values of a grid beside the edge of a stuck contact between two bodies.
+"""Nodal values of a grid near the edge of a stuck contact between two bodies.
 
 tau + i sigma and tau - i sigma diagonalise the static symbol of a grid, |theta| (1 -+ beta sgn
 theta) with Dundurs' beta, and these scalar symbols have Wiener-Hopf factors in closed form: with
@@ -9,8 +9,8 @@ z = exp(i theta), nu = -+ artanh(beta) / pi and the factor E(z) of |theta| / (2 
 
 They tend to the fields of a crack tip at (j + 0.31) h and (l + 0.69) h from it, but for known
 factors, and for waves two nodes long, of relative size j^(-1/2), from the jump of the symbol at
-theta = pi: no grid removes these, and means of three nodes do (docs/engine.md, "Beside a stuck
-edge").
+theta = pi: no grid removes these, and means of three nodes do (docs/engine.md, "Tractions near
+a stuck edge").
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MOST_NODES = 512
 
 @dataclass(frozen=True, eq=False)
 class EdgeReading:
-    """Fields beside the edge of a stuck contact, as far as a grid knows them.
+    """Fields near the edge of a stuck contact, as far as a grid knows them.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def edge_factors(beta: float) -> tuple[float, Complex, Complex]:
 def zone_beside_edge(
     change: Array, strength: Array, where: NDArray[np.bool_], spacing: float, compliance: float
 ) -> tuple[Array, Array]:
-    """Return length and area of slip, or of an opening, beside an edge whose first node is closed.
+    """Return length and area of slip, or of an opening, near an edge whose first node is closed.
 
     Beyond any strength, the traction at an edge makes the contact slip over a length l.  The
     traction of the first node gives K; under a constant strength s, l = (pi / 8) (K / s)^2, the
@@ -147,7 +147,7 @@ def zone_beside_edge(
 def read_beside_edge(
     contact: Complex, slot: Complex, spacing: float, beta: float
 ) -> tuple[Array, Complex, Array, Complex]:
-    """Return what nodal values beside an edge of a stuck contact x > 0 say of the exact fields.
+    """Return what nodal values near an edge of a stuck contact x > 0 say of the exact fields.
 
     Every value is divided by that of a crack tip on the same grid; means of three quotients,
     weighted 1, 2, 1, are multiplied by the exact fields of a crack tip.  The first and the last

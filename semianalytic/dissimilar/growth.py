@@ -151,7 +151,7 @@ def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[c
         for stretch, (x, rested) in moving.items():
             beside = np.concatenate([x, x - _DIFFERENCE, x + _DIFFERENCE])
             value, before, after = np.split(_on(compliance, stretch, beside, friction, delay), 3)
-            # By differences: the symbol has no closed derivative that would not cancel beside a
+            # By differences: the symbol has no closed derivative that would not cancel near a
             # front.
             slope = (after - before) / (2 * _DIFFERENCE)
             step = -value / np.where(slope, slope, np.inf)

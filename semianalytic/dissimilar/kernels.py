@@ -82,7 +82,7 @@ class PairImpedance:
         speed = stoneley_speed(self.compliance)
         if speed is None:
             return np.zeros(0, dtype=complex), np.zeros((3, 0), dtype=complex)
-        # The kernels are analytic beside the pole; from the right, where they are defined,
+        # The kernels are analytic near the pole; from the right, where they are defined,
         # e K = r + c e + ..., of which two e leave an error of e^2.
         near = 1e-5 * np.array([1.0, 2.0])  # off by its square, and by rounding over it
         once, twice = (self.at(1j * speed + near) * near).T

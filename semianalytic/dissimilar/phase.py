@@ -1,7 +1,7 @@
 """Continuous phase of a function on the cut k = -v + i0, which is 0 ahead of all waves.
 
 The phases of the two symbols of frictional contact, K = (A + s f k D) / (A B + k^2 D^2) and
-N = 1 / (A + s f k D), give every exponent at a zone edge, and their limits for v -> infinity tell
+N = 1 / (A + s f k D), give every exponent at a zone edge, and their limits for v -> infinity give
 how many solutions there are (docs/dissimilar.md, "Exponents").
 """
 
@@ -82,7 +82,7 @@ class CutPhase:
 
     def on(self, stretch: Stretch, x: Array) -> Array:
         """Return the phase at coordinates x (n,) of a stretch between two wave fronts."""
-        # The table tells the multiple of 2 pi that the angle of the function leaves open.
+        # The table gives the multiple of 2 pi that the angle of the function leaves open.
         part = next(one for one in self.table if one.stretch == stretch)
         near, angle = np.interp(x, part.x, part.phase), np.angle(self._on(stretch, x))
         return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
@@ -125,7 +125,7 @@ class CutPhase:
             values = np.insert(values, wide + 1, self._on(stretch, between))
 
     def _on(self, stretch: Stretch, x: Array) -> Complex:
-        """Return the direction of the function at points, or beside a point where it vanishes."""
+        """Return the direction of the function at points, or near a point where it vanishes."""
         points = stretch.at(x)
         from_fronts = stretch.minus(points, self.compliance.fronts)
         values = self.function(self.compliance.on_cut(points.v, from_fronts))

@@ -122,7 +122,7 @@ class SlidingStability:
             return f"well posed: no wave grows while these bodies slide under {under}."
         wave = self.waves[0]
         way = "with" if wave.velocity > 0 else "against"
-        end = f"lower it below {self.threshold:.3g}" if self.threshold else "no friction is too low"
+        end = f"lower it below {self.threshold:.3g}" if self.threshold else "no less friction helps"
         sentence = (
             f"ill-posed: waves that run {way} the upper body grow by "
             f"{100 * (wave.per_wavelength - 1):.3g} % over every wavelength, however short; {end}"

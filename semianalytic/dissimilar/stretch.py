@@ -73,7 +73,7 @@ class Stretch:
             return np.asarray((self.left - column) + points.from_left)
         near_left = points.x.real < 0
         near_right = (self.right - column) - points.to_right
-        # Counted from the end beside which the point is; its own left end is exact in any case.
+        # Counted from the end near which the point is; its own left end is exact in any case.
         counted = near_left | (column == self.left)
         return np.where(counted, (self.left - column) + points.from_left, near_right)
 

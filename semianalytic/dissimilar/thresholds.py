@@ -90,7 +90,7 @@ def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
     def turned(x: float) -> float:
         return float(turn(np.array([x]))[0])
 
-    # Of 200 random pairs none has other thresholds at half the step, one at five times.
+    # None of 200 random pairs has other thresholds at half the step, one at five times.
     x = np.arange(-38.0, 38.01, 0.02)
     sign = np.sign(turn(x))
     found = []

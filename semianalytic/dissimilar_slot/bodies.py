@@ -211,7 +211,7 @@ class PairBodies:
         x, y, t = checked_points(x, y, t)
         rows = np.zeros((3 if quantity == "stress" else 2, *x.shape))
         for below, body in enumerate(self.scene.bodies):
-            # The sign bit tells 0.0 from -0.0, the two faces of the interface.
+            # The sign bit distinguishes 0.0 from -0.0, the two faces of the interface.
             here = (t > 0) & (np.signbit(y) == bool(below))
             at = x[here], y[here], body.shear_speed * t[here]
             over = {"velocity": body.shear_impedance, "displacement": body.shear_modulus}
@@ -249,7 +249,7 @@ class PairBodies:
 
     @cached_property
     def _sent(self) -> tuple[Sent, Sent]:
-        """What the faces of the upper and of the lower body send into them."""
+        """Waves that the faces of the upper and of the lower body send into them."""
         upper, lower = (
             Sent(Primitives(BodyFace(self.density, below, body.poisson_ratio)), _MIRRORED)
             for below, body in zip((False, True), self.scene.bodies, strict=True)

@@ -26,7 +26,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     if not fine.zones:
         return error
     error += 4.0 * tolerance  # values up to 3 at points between those compared
-    # One Newton step from the coarse mismatch tells where the coarse rule would put the edges.
+    # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
     move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))

@@ -275,7 +275,7 @@ def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[MovingZ
         return slip.left, [slip], float(slip.right or 0.0)
     if 2 in states:
         return at(0.5), [], at(0.5)
-    # The root beside an edge puts it further from nodes that slip fast.
+    # The root near an edge puts it further from nodes that slip fast.
     slipping = inner.last if inner.state else outer.first
     inward = slipping - 1 if inner.state else slipping + 1
     run = inner if inner.state else outer

@@ -158,7 +158,7 @@ def neighbours(own: Member, name: str, tolerance: float, step: float) -> Varied:
             moved = np.inf
         if moved <= 0.02:  # an edge next to a front would cross it
             break
-        # Edges beside a front move fast: the step is chosen by them, not by the parameter.
+        # Edges near a front move fast: the step is chosen by them, not by the parameter.
         step *= max(0.02 / moved, 0.1)
     beside = [ahead if point == 1 else at(float(point))[0] for point in _POINTS]
     return Varied(own, tuple(beside), step)

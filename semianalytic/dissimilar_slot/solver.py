@@ -244,21 +244,20 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
         ahead = [w for w in growing_waves(interface.compliance, friction) if w.velocity > 0]
         if not ahead:
             raise SceneError(
-                f"scene: friction {interface.friction:.4g} makes the number of answers of this "
-                "interface other than one; lower it (docs/dissimilar.md)."
+                f"scene: under friction {interface.friction:.4g} these bodies have no answer or "
+                "several; lower it (docs/dissimilar.md)."
             )
         wave, limit = ahead[0], growth_threshold(interface.compliance, sense)
-        lower = (
-            f"lower it below {limit:.3g}" if limit > LEAST_FRICTION else "no friction is too low"
-        )
+        lower = f"lower it below {limit:.3g}, " if limit > LEAST_FRICTION else ""
         delayed = fastest_delayed_growth(interface.compliance, friction)
         share = delayed.rate if delayed else 0.0
         raise SceneError(
             f"scene: where the upper body slips towards {'+' if sense > 0 else '-'}x under "
             f"friction {interface.friction:.4g}, waves that run ahead grow by "
             f"{100 * np.expm1(wave.per_wavelength):.3g} % over every wavelength, however short, "
-            f"and nothing has an answer: {lower}, or let friction follow pressure with a delay of "
-            f"some {share:.2g} of the time of interest (docs/dissimilar.md)."
+            f"and nothing has an answer: {lower}exchange the bodies or reverse the load, so that "
+            "slip has the other sense, or let friction follow pressure with a delay of some "
+            f"{share:.2g} of the time of interest (docs/dissimilar.md)."
         )
 
 

@@ -131,7 +131,7 @@ class EdgeNodes:
         does not differ.
         """
         scene, known = self._done.scene, self._done.interface
-        if not scene.law.has_threshold:
+        if not scene.law.has_threshold or not len(self._first):
             return 0.0, 0.0
         still = np.zeros(len(self._law_x))
         frames = zip(known.felt_pressure[:, self._on], known.state[:, self._on], strict=True)

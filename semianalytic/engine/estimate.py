@@ -125,7 +125,7 @@ def estimated(
     if status == "done" and errors[name] > largest:
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
-    return replace(done, error_estimates=errors, status=status), tried
+    return replace(done, error_estimates=errors, status=status, companion=coarse), tried
 
 
 def _zones(slip: Array, moves: Any) -> list[NDArray[np.intp]]:
@@ -194,6 +194,6 @@ def too_short(scene: Scene, time: float) -> str:
         return ""
     return (
         f"unresolved: the contact ends with the period, at |x| = {end:.3g}, from where waves reach "
-        f"x = 0 at t = {end / speed:.3g}; use a `length` of {4 * speed * time:.3g} or more, or end "
+        f"x = 0 at t = {end / speed:.3g}; use a `period` of {4 * speed * time:.3g} or more, or end "
         "before that."
     )

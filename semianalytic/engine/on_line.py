@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import ARRIVALS, FIELDS
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.questions import (
@@ -24,7 +23,7 @@ from semianalytic.results.questions import (
     check_times,
     onsets,
 )
-from semianalytic.results.reading import Measured, Reading
+from semianalytic.results.reading import Measured, Reading, sampled_reading
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import shown
@@ -34,6 +33,8 @@ Array = NDArray[np.float64]
 
 MOST_OFF = 0.1
 """Largest error of the work of stored levels, over that of all steps, with which they add up."""
+LEAST_SLIP = 1e-3
+"""Slip over the largest one from which a node counts as one that has slipped."""
 
 
 @asked_in_units
@@ -88,26 +89,35 @@ class LineAnswer(Questions, Gridded):
     def reading(self: Any, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
 
-        The bar of a field is its relative error estimate times its mean over the stored times and
-        the contact; it is inf without an estimate, as it is for arrivals.
+        Bars are those of `SampledAnswer.reading`; they are inf without an estimate.
 
         Raises
         ------
         SceneError
             For the reasons given at `slip`.
         """
-        x, t = np.broadcast_arrays(line_positions(x), np.asarray(t, dtype=float))
+        found = sampled_reading(self, x, t)
+        if self.scene.may_open:
+            return found
+        # without a load that changes the pressure it is that of the base
+        values = found.pressure.value, found.gap.value
+        pressure, gap = (Measured(one, np.zeros(one.shape)) for one in values)
+        return replace(found, pressure=pressure, gap=gap)
 
-        def measured(name: str) -> Measured:
-            mean = float(np.abs(getattr(self.interface, name)[:, self._on]).mean())
-            # without a load that changes the pressure it is that of the base
-            fixed = name in ("pressure", "gap") and not self.scene.may_open
-            error = 0.0 if fixed else self.error_estimates.get(name, np.inf)
-            return Measured(getattr(self, name)(x, t), np.full(x.shape, error * mean))
+    def _known_around(self: Any, x: Array, step: float) -> tuple[Array, Array]:
+        """Return between which places the part of the contact lies on which x is."""
+        half = self.scene.period / 2
+        begins, ends = np.clip(np.transpose(self.scene.contact.intervals), -half, half)
+        part = np.searchsorted(begins, x, side="right") - 1
+        return np.minimum(x, begins[part] + step / 8), np.maximum(x, ends[part] - step / 8)
 
-        unknown = np.full(x.shape, np.inf)
-        arrivals = {of: Measured(self.arrival(x, of), unknown) for of in ARRIVALS}
-        return Reading(x, t, arrivals, status=self.status, **{one: measured(one) for one in FIELDS})
+    @property
+    def _moved(self: Any) -> Array:
+        """Nodes of the companion where the contact has slipped: bars do not depend on how much of
+        the line has not."""
+        known = self.companion.interface
+        slip = np.where(known.touching, np.abs(known.slip).max(axis=0), 0.0)
+        return np.asarray(known.x[slip > LEAST_SLIP * slip.max(initial=0.0)])
 
     @property
     def _seen(self) -> Any:
@@ -129,7 +139,7 @@ class LineAnswer(Questions, Gridded):
         if beyond.size:
             raise SceneError(
                 f"this answer reaches to |x| = {half:.6g}, got {shown(float(beyond[0]))}; ask for "
-                "nearer positions, or compute it with a greater `length`."
+                "nearer positions, or compute it with a greater `period`."
             )
         place = np.abs(x) if self.scene.even else x
         off = x[~self.scene.contact.touches(place)]

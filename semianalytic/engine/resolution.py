@@ -1,8 +1,8 @@
 """The resolution of a march: turns of its loads, the slip zone at the edge, and slip weakening.
 
 A grid of node distance h follows events that last longer than some steps of h / (2 c_t), whatever
-the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "What the grid
-resolves"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
+the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "Resolution of
+the grid"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
 largest value within four such steps: a wave then has 16 of them in a period, a triangle lasts 13,
 a rectangle 4.  Within one step a load may turn by 0.08; otherwise short pulses on top of longer
 ones would be lost.  A slip zone of a few nodes is seen badly, and one shorter than the distance of
@@ -67,9 +67,8 @@ def rounded_up(count: float) -> str:
 def zone_at_edge(scene: Scene, end_time: float) -> float:
     """Return the longest slip zone at the edge that the stuck tractions cause until a time.
 
-    Its length is Dugdale's, (pi/8) (K / s)^2, where K is the excess of the stress intensity of a
-    stuck edge over friction and s the strength left beside the edge (docs/spacetime.md, "What the
-    grid resolves"); it is at most the distance that waves have travelled.
+    Its length is Dugdale's, (pi/8) (K / s)^2, with the excess K of the stress intensity of a stuck
+    edge over friction and the strength s next to the edge, and at most that of the waves.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run along a line 12"
+FORMAT = "run along a line 13"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -96,6 +96,8 @@ class Run(LineAnswer):
         error: ...", whose fields are complete.
     checkpoint : RunCheckpoint
         Everything that `run` needs to continue this run.
+    companion : Run or None
+        The same run on half the nodes, at the same frames, from which errors are estimated.
 
     Examples
     --------
@@ -117,6 +119,7 @@ class Run(LineAnswer):
     status: str
     checkpoint: RunCheckpoint = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
+    companion: Run | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         slip = self.error_estimates.get("slip")
@@ -270,7 +273,7 @@ class Run(LineAnswer):
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
         of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
         over three nodes, they are off by 0.5 to 2 % from the second node on (docs/engine.md,
-        "Beside a stuck edge").
+        "Tractions near a stuck edge").
 
         Parameters
         ----------
@@ -348,9 +351,8 @@ class Run(LineAnswer):
         MissingLibraryError
             If h5py is not installed.
         DataFileError
-            If the file is missing, damaged or not a run, or a run on another contact or period.
-        SceneError
-            If the scene has functions of Python and is not given.
+            If the file is missing, damaged or not a run, or a run on another contact or period, or
+            of a scene with functions of Python, which is not given.
         """
         given: dict[str, Any] = {} if scene is None else {"scene": scene}
         kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
-from semianalytic.engine.record import Kept, RunRecord, checkpoint, kept_at, resumed
+from semianalytic.engine.record import RunRecord, checkpoint, kept_at, resumed
 from semianalytic.engine.result import LineFields, Run
-from semianalytic.engine.stepping.advance import advanced
+from semianalytic.engine.stepping.advance import stepped
 from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.state import State
@@ -186,13 +186,10 @@ def _half(
 
 
 @taking_quantities
-@wraps(run)  # a scene says some of its settings itself
+@wraps(run)
 def solve(scene: Scene, **settings: Any) -> Run:
-    """March a scene as `run` does, with its own settings where others are not given."""
-    own = dict(scene.run)
-    if "go_on" in settings:
-        own.pop("nodes", None)  # which are those of the run that goes on
-    if "end_time" not in (settings := own | settings):
+    """March a scene as `run` does."""
+    if "end_time" not in settings:
         raise SceneError("solve: the scene does not say how long it is marched; give end_time.")
     return run(scene, **settings)
 
@@ -261,25 +258,22 @@ def _one(
             now = stepper.jump(now)
     stops = [at for at in scene.jumps if now.time < at < end_time] + [end_time]
 
-    def asked(time: float) -> bool:
-        told = progress is not None and progress(time, end_time)
-        return bool(options["interruption"].pressed or told)
+    stopped, kept = False, None
 
-    kept: Kept | None = None
+    def asked(time: float) -> bool:
+        nonlocal stopped
+        told = progress is not None and progress(time, end_time)
+        stopped = bool(options["interruption"].pressed or told)
+        return stopped
 
     def keep(state: State) -> None:
         nonlocal kept
         kept = kept_at(stepper, record, state)
 
-    stopped = False
-    while stops and not stopped:
-        last = keep if len(stops) == 1 else None
-        now, stopped = advanced(stepper, now, stops[0], record.add, asked, last)
-        if now.time >= stops[0]:
-            stopped = stopped and len(stops) > 1
-            stops.pop(0)
-            if stops:
-                now = stepper.jump(now)
+    for taken in stepped(stepper, now, stops, asked, keep):
+        record.add(*taken)
+        now = taken.look(len(taken.times) - 1)
+    stopped = stopped and now.time < end_time
     if stopped or kept is None:
         kept = kept_at(stepper, record, now)
     record.end(now)

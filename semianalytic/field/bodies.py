@@ -145,7 +145,7 @@ class Bodies:
 
     @cached_property
     def _sent(self) -> tuple[Sent, ...]:
-        """What shear and, if the pressure changes, pressure send into the bodies."""
+        """Waves that shear and, if it changes, pressure send into the bodies."""
         sheared = Sent(self._shear, _ALONG if self.scene.antiplane else _SHEARED)
         return (sheared,) if self._normal is None else (sheared, Sent(self._normal, -_SHEARED))
 

@@ -46,7 +46,7 @@ ALONG: Mapping[Quantity, slice] = {
 
 @dataclass(frozen=True, eq=False)
 class Sent:
-    """What a source sends, and the signs (7,), antiplane (4,), of its fields mirrored below."""
+    """Waves of a source, and the signs (7,), antiplane (4,), of its fields mirrored below."""
 
     primitives: Primitives
     mirrored: Array
@@ -127,7 +127,7 @@ def _finite_or_not(
     if singular.any():
         few = rows[:, singular]
         at = x[singular], y[singular], t[singular], below[singular]
-        # What is infinite grows as the singularity comes nearer, what is only steep does not.
+        # An infinite value grows as the singularity comes nearer, a steep one does not.
         grown = few - _near(parts, quantity, at, tuning.CLOSE[1])
         # Finite fields change like a square root at least, by 1e-8.
         large = np.abs(grown) > 1e-6 * (1 + np.abs(few))
@@ -268,7 +268,7 @@ def upper(
         at = x[here], y[here], t[here]
         k = slowness(*at, wave.slowness, primitives.source.front)
         if chosen.stop <= len(wave.fields):
-            # What is asked for is added up per cell, not per point.
+            # Requested values are added up per cell, not per point.
             result[:, here] += primitives(k, close, wave.fields[chosen] @ wave.parts)
         else:
             result[:, here] += wave.rows(primitives(k, close, wave.parts), *at)[chosen]
@@ -292,7 +292,7 @@ def reflected(primitives: Primitives, x: Array, y: Array, t: Array, quantity: Qu
 
 
 def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
-    """Return pi times all fields (7, m) where both waves nearly cancel, beside the edge.
+    """Return pi times all fields (7, m) where both waves nearly cancel, near the edge.
 
     Densities of both are added before integration to k_P; the S wave goes on alone to k_S.
     """

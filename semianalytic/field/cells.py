@@ -83,7 +83,7 @@ class Primitives:
 
     @cached_property
     def _tops(self) -> Array:
-        """Logarithms (c, 2) of the radius of each side of a centre beside the axis."""
+        """Logarithms (c, 2) of the radius of each side of a centre near the axis."""
         return np.log(self._gaps / (2 * np.cos(_STEP)))
 
     def _nearest(self, k: Complex) -> np.ndarray:
@@ -93,7 +93,7 @@ class Primitives:
     def at_centre(self, k: Complex) -> np.ndarray:
         """Return (m,) whether points coincide with a centre to rounding."""
         result = np.zeros(k.shape, dtype=bool)
-        # Only points beside the axis can coincide with one on it.
+        # Only points near the axis can coincide with one on it.
         few = np.flatnonzero(np.abs(k.imag) <= tuning.SAME * self._extent)
         places = self.source.places[self._nearest(k[few])]
         result[few] = np.abs(k[few] - places) <= tuning.SAME * np.abs(places)

@@ -1,4 +1,4 @@
-"""What sends waves into a half-plane: densities of its surface, and where they are singular."""
+"""Sources of waves in a half-plane: densities of its surface, and where they are singular."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ class Transform:
         knots = np.arange(len(self._borders) + 1.0)
         if not self._slowness:
             return knots
-        # Of points 1/2 apart one is always farther from the pole of a moving load.
+        # One of two points 1/2 apart is always farther from the pole of a moving load.
         beside = np.abs(knots + 1.0 + self._slowness).min() < 0.25
         return knots + (1.5 if beside else 1.0)
 
@@ -189,7 +189,7 @@ class Transform:
         for ring in np.unique(least):
             nearest = float(np.exp(3 * step * ring))
             farthest = nearest * float(np.exp(4 * step))
-            # What a node adds to any point of the ring, at the most.
+            # The most that a node adds to any point of the ring.
             sizes = weight / (away + nearest)
             kept = sizes > tolerance * sizes.max()
             seen = _Seen.of(distances[kept], weights[kept], nearest, farthest, tolerance)

@@ -92,7 +92,7 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def hiding(self) -> np.ndarray:
-        """Where the hidden root is, (k,): 2 panels are cut beside it, 1 complex ahead, else 0."""
+        """Where the hidden root is, (k,): 2 panels are cut near it, 1 complex ahead, else 0."""
         hidden = self.hidden_root
         return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
 

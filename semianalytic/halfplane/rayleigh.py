@@ -284,7 +284,7 @@ class RayleighFactors:
 
     @cached_property
     def cuts(self) -> list[CutPoints]:
-        """Points at which fields change character: beside the hidden root, the shear front."""
+        """Points at which fields change character: near the hidden root, the shear front."""
         hidden = self.hidden_root
         beside = [self.cut([hidden.real])] if hidden.imag and hidden.real > self.a else []
         return [*beside, self.front_b]

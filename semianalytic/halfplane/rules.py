@@ -27,7 +27,7 @@ _TABLES = 12
 
 @dataclass(frozen=True)
 class BesideEnd:
-    """Points beside the left end of a panel, from which to interpolate what is smooth there.
+    """Points near the left end of a panel, from which to interpolate what is smooth there.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class BesideEnd:
     onto : (m, q) array
         Takes values at the points to the nodes, for functions smooth in the share.
     onto_falling : (m, q) array
-        The same for the mirror image, beside the right end, for functions that are proportional to
+        The same for the mirror image, near the right end, for functions that are proportional to
         the share that is left there, relative to themselves.
     """
 
@@ -129,7 +129,7 @@ class Rule:
         """Return the integral from -inf to y of the interpolant of `density`, (n,) or (k, n)."""
         nodes, values = self._continued(density)
         weights = np.full(len(nodes), self.spacing)
-        # What lies beyond the continued nodes belongs to the last of them, as in `weights`.
+        # The part beyond the continued nodes belongs to the last of them, as in `weights`.
         weights[[0, -1]] = self.weights[[0, -1]]
         first = round(nodes[0] / self.spacing)
         return _stepped(y / self.spacing, first, (weights * values).T)
@@ -282,7 +282,7 @@ def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
     """Return a rule for functions analytic in |Im y| < pi `strip`, `further` on either side."""
     if rule.held:
         return rule
-    # What lies further out is below rounding.
+    # The part further out is below rounding.
     beyond = int(np.ceil(min(further, 100.0))) if further > 0 else 0
     # The spacing that a narrower strip needs is proportional to it, rounded down to a step.
     return _finer(rule, int(np.ceil(-_STEPS * np.log2(strip))), beyond)

@@ -31,7 +31,7 @@ def panels_to(factors: RayleighFactors, stop: float, least: float) -> Array:
         ends = [*_growing(a, 2 * a, min(1.0, stop)), 1.0]
     ends = ends[:-1] if stop <= 1.0 else [*ends[:-1], *_growing(1.0, 1.0 - a, stop)]
     length = stop - ends[-1]
-    while length > max(least, 1e-14 * stop):  # what is nearer is not told apart by rounding
+    while length > max(least, 1e-14 * stop):  # nearer points are the same in rounding
         length /= 2
         ends.append(stop - length)
     return np.array([*ends, stop])
@@ -79,7 +79,7 @@ class RunningIntegral:
         away = [np.where(right[:, None] == front, -to_right, v - front) for front in fronts]
         pairs = zip(fronts, away, strict=True)
         parts = [np.where(left[:, None] == front, from_left, far) for front, far in pairs]
-        # Counted from the end itself, beside which the function may be singular.
+        # Counted from the end itself, near which the function may be singular.
         to_stop = (self.ends[-1] - right)[:, None] + to_right
         values = self.slope(CutPoints(np.stack(parts).reshape(4, -1)), to_stop.ravel())
         values = values.reshape(*values.shape[:-1], *v.shape)

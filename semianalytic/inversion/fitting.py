@@ -53,7 +53,7 @@ def fit(
         of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.  On a line any number
         goes by its place in a file, such as "friction_law.distance" (docs/engine.md).
     priors : mapping from names to Normal, LogNormal or Uniform, optional
-        Prior knowledge of parameters; it also tells the search where to look.
+        Prior knowledge of parameters; it also limits the search.
     setup : Setup, optional
         Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
@@ -115,7 +115,7 @@ def fit(
     trials.progress = None  # later misfits, as of `Fit.log_density`, are no part of this search
     scene, fitted = trials.at(best.scaled)
     solution = trials.final(best.scaled)
-    # What makes the values doubtful comes before what makes only their errors doubtful.
+    # Doubts of the values come before doubts of their errors alone.
     status = verdict(ends, solution, unconstrained, covariance, trials)
     if status == "converged" and derivative_error > 0.2:
         status = (

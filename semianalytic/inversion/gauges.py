@@ -1,4 +1,4 @@
-"""Gauges: records of a quantity at a place, on the interface or in the bodies beside it."""
+"""Gauges: records of a quantity at a place, on the interface or in the bodies near it."""
 
 from __future__ import annotations
 

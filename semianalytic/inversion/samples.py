@@ -129,7 +129,7 @@ class Samples:
         lost = ~np.isfinite(result)
         if lost.any():  # on a front: as it is a moment later
             result[lost] = self._recorded(solution, setup.x0, t + CLOSE * self.half)[lost]
-        # What is infinite a moment later as well, at a stuck contact edge, becomes a huge misfit,
+        # A value also infinite a moment later, at a stuck contact edge, becomes a huge misfit,
         # which least squares can still compare.
         return np.nan_to_num(result)
 

@@ -30,7 +30,7 @@ class Trials:
     Attributes
     ----------
     rtol : float
-        Of solutions.
+        Accuracy of solutions.
     count : int
         Solutions that were computed one by one; those of sweeps do not count.
     progress : callable, optional

@@ -1,4 +1,4 @@
-"""What the data say of the values of a fit: their covariance, and what speaks against them."""
+"""Covariance of the values of a fit, and objections of the data to them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LARGEST_CONDITION = 1e8
 FAR = 3.0
 """Standard errors between two minima that are as good, from which on the status says so."""
 OUT_OF_REACH = 20.0
-"""Standard errors where chi2 is 9 above its least: 10 tells the same 8 of 14 silent fits."""
+"""Standard errors where chi2 is 9 above its least: 10 finds the same 8 of 14 silent fits."""
 
 
 def verdict(
@@ -50,9 +50,9 @@ def verdict(
 
 
 def _one_sided(best: Minimum, covariance: Array, trials: Trials) -> str:
-    """Say which value can hardly be told though it is `OUT_OF_REACH` away; "" if none is.
+    """Say which value is hardly determined though it is `OUT_OF_REACH` away; "" if none is.
 
-    Noise makes a shallow minimum beside values that fit as well; others go along by covariance.
+    Noise makes a shallow minimum near values that fit as well; others go along by covariance.
     """
     low, high = trials.bounds
     told = []
@@ -116,7 +116,7 @@ def _is_rare(square: float, freedom: int) -> bool:
     """Return whether so large a sum of squares of normal numbers occurs once in a million."""
     from scipy.special import chdtrc  # here, for `import semianalytic` is to be quick
 
-    # Of 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 at 1.22
+    # With 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 at 1.22
     # times.
     return freedom > 0 and float(chdtrc(freedom, square)) < 1e-6
 

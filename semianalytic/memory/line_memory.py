@@ -10,7 +10,9 @@ steps may have any length.  The memory knows nothing of contacts, slots or frict
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Past:
-    """What a line remembers at one time.
+    """Memory of a line at one time.
 
     Attributes
     ----------
@@ -108,6 +110,22 @@ class Kernels:
             out += (self.reads @ modes).real
 
 
+class Factors(NamedTuple):
+    """Factor of a step on the numbers m, and what the rate at its end and begin adds to them."""
+
+    decay: Complex
+    end: Complex
+    gain: Complex
+
+
+class Part(NamedTuple):
+    """Wavenumbers whose numbers m have one precision: which, and their complex and real types."""
+
+    place: slice
+    kind: type
+    real: type
+
+
 class StepTable:
     """Factors by which steps of one length change the memory, per pole and wavenumber.
 
@@ -117,39 +135,38 @@ class StepTable:
         The sum of exponentials.
     phase : (size,) array
         q c_t dt.
-    kind : type
-        Complex numbers of the factors.
+    parts : sequence of Part
+        Wavenumbers that have one precision, and which.
 
     Attributes
     ----------
-    decay, end, gain : (p, size) complex arrays
-        Factor on the numbers m, and what the rate at the end, and that at the beginning of a step,
-        add to them.
+    factors : list of Factors
+        Factors of the numbers m of each part.
     half, whole : (size,) arrays
         Factor on the rate at an end of a step in the lasting slip, and twice that.
     feedback : (k, size) array
         Share of a unit rate at the end of a step in each convolution.
     """
 
-    def __init__(self, kernels: Kernels, phase: Array, kind: type = complex) -> None:
-        shape = len(kernels.poles), len(phase)
-        self.decay, self.end, self.gain = np.empty((3, *shape), dtype=complex)
+    def __init__(self, kernels: Kernels, phase: Array, parts: Sequence[Part]) -> None:
+        whole = Factors(*np.empty((3, len(kernels.poles), len(phase)), dtype=complex))
         for row, (pole, weight) in enumerate(zip(kernels.poles, kernels.weights, strict=True)):
             z = pole * phase
-            self.decay[row], first, second = phi(z)
+            whole.decay[row], first, second = phi(z)
             share = weight * phase
             # int_0^1 exp(z (1 - s)) V(s) ds for V from V0 to V1: (first - second) V0 + second V1
-            self.end[row] = share * second
+            whole.end[row] = share * second
             # V0 was the end value of the step before, left out there and so added here, decayed
-            self.gain[row] = share * (first - second) + self.decay[row] * self.end[row]
+            whole.gain[row] = share * (first - second) + whole.decay[row] * whole.end[row]
         # the lasting slip by the trapezoidal rule, exact for linear V
         self.half = kernels.static * phase / 2
         self.whole = 2 * self.half
         self.feedback = np.empty((len(kernels.lasting), len(phase)))
-        kernels.exerted(self.end, self.half, self.feedback)
-        self.decay, self.end, self.gain = (
-            factors.astype(kind, copy=False) for factors in (self.decay, self.end, self.gain)
-        )
+        kernels.exerted(whole.end, self.half, self.feedback)
+        self.factors = [
+            Factors(*(one[:, part.place].astype(part.kind, order="C") for one in whole))
+            for part in parts
+        ]
 
 
 class LineMemory:
@@ -168,9 +185,10 @@ class LineMemory:
         Amplitudes per wavenumber: 1 of cosines, 2 of a periodic line (real and imaginary parts).
     tables : int
         Step lengths whose tables are kept.
-    single : bool
-        Whether the numbers m and their factors have single precision, which takes half the time.
-        Lasting slip and feedback are double in any case.
+    double : int, optional
+        Wavenumbers whose numbers m and factors have double precision, of which the lowest are
+        taken; all by default.  Those of single precision take half the time.  Lasting slip and
+        feedback are double in any case.
     """
 
     def __init__(
@@ -179,19 +197,26 @@ class LineMemory:
         wavenumbers: Array,
         rows: int = 1,
         tables: int = 1,
-        single: bool = False,
+        double: int | None = None,
     ) -> None:
         kernels = memory if isinstance(memory, Kernels) else Kernels.of(memory)
-        self._kind: type = np.complex64 if single else complex
-        self._real: type = np.float32 if single else float
-        self.horizon = kernels.horizon
+        self.horizon, self.size = kernels.horizon, len(wavenumbers)
         self._kernels, self._q, self._most = kernels, wavenumbers, tables
-        poles, size = len(kernels.poles), len(wavenumbers)
-        self.size = size
+        double = self.size if double is None else double
+        parts = (
+            Part(slice(0, double), complex, float),
+            Part(slice(double, self.size), np.complex64, np.float32),
+        )
+        self._parts = [one for one in parts if one.place.start < one.place.stop]
+        poles = len(kernels.poles)
+        sizes = [one.place.stop - one.place.start for one in self._parts]
         # convolutions, without the share of the newest rate where a last step is noted
-        self._modes = np.zeros((rows, poles, size), dtype=self._kind)
-        self._lasting, self._last = np.zeros((rows, size)), 0.0
-        self._scratch = np.empty((poles, size), dtype=self._kind)
+        self._modes = [
+            np.zeros((rows, poles, size), dtype=one.kind)
+            for one, size in zip(self._parts, sizes, strict=True)
+        ]
+        self._scratch = [np.empty_like(modes[0]) for modes in self._modes]
+        self._lasting, self._last = np.zeros((rows, self.size)), 0.0
         self._tables: OrderedDict[float, StepTable] = OrderedDict()
 
     @property
@@ -204,7 +229,7 @@ class LineMemory:
         if step not in self._tables:
             if len(self._tables) >= self._most:
                 self._tables.popitem(last=False)
-            self._tables[step] = StepTable(self._kernels, self._q * step, self._kind)
+            self._tables[step] = StepTable(self._kernels, self._q * step, self._parts)
         self._tables.move_to_end(step)
         return self._tables[step]
 
@@ -219,9 +244,10 @@ class LineMemory:
         table = self.table(step)
         # half as the start of this step, half as the end value left out of the one before
         self._lasting += table.whole * amplitudes
-        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
-            modes *= table.decay
-            modes += np.multiply(table.gain, row, out=self._scratch)
+        for part, every, factors, scratch in self._with(table):
+            for modes, row in zip(every, amplitudes[:, part.place], strict=True):
+                modes *= factors.decay
+                modes += np.multiply(factors.gain, row.astype(part.real, copy=False), out=scratch)
         return self._exerted()
 
     def settle(self, amplitudes: Array) -> None:
@@ -246,24 +272,33 @@ class LineMemory:
 
     def past(self) -> Past:
         """Return copies of everything that steps change, for `put_back`."""
-        return Past(self._modes.copy(), self._lasting.copy(), self._last)
+        return Past(np.concatenate(self._modes, axis=2), self._lasting.copy(), self._last)
 
     def put_back(self, past: Past) -> None:
         """Take up a memory that `past` returned, to the last bit."""
-        self._modes[:], self._lasting[:], self._last = past.modes, past.lasting, past.last
+        for part, modes in zip(self._parts, self._modes, strict=True):
+            modes[:] = past.modes[..., part.place]
+        self._lasting[:], self._last = past.lasting, past.last
 
     def _exerted(self) -> Array:
         """Return the convolutions now but for a share that is left out, (k, rows, size)."""
         exerted = np.empty((len(self._kernels.lasting), *self._lasting.shape))
-        for row, (modes, lasting) in enumerate(zip(self._modes, self._lasting, strict=True)):
-            self._kernels.exerted(modes, lasting, exerted[:, row])
+        for part, every in zip(self._parts, self._modes, strict=True):
+            for row, modes in enumerate(every):
+                lasting = self._lasting[row, part.place]
+                self._kernels.exerted(modes, lasting, exerted[:, row, part.place])
         return exerted
 
     def _add(self, table: StepTable, amplitudes: Array) -> None:
         """Add the share of a rate at the end of a step to the memory."""
-        for modes, row in zip(self._modes, amplitudes.astype(self._real, copy=False), strict=True):
-            modes += np.multiply(table.end, row, out=self._scratch)
+        for part, every, factors, scratch in self._with(table):
+            for modes, row in zip(every, amplitudes[:, part.place], strict=True):
+                modes += np.multiply(factors.end, row.astype(part.real, copy=False), out=scratch)
         self._lasting += table.half * amplitudes
+
+    def _with(self, table: StepTable) -> Iterator[tuple[Part, Complex, Factors, Complex]]:
+        """Return parts of the wavenumbers, with their numbers m, factors and room for products."""
+        return zip(self._parts, self._modes, table.factors, self._scratch, strict=True)
 
 
 def phi(z: Complex) -> tuple[Complex, Complex, Complex]:

@@ -53,7 +53,7 @@ def fitted(
 
 
 def samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
-    """Return points on Re s = 1/horizon, dense beside the branch points, (n,).
+    """Return points on Re s = 1/horizon, dense near the branch points, (n,).
 
     On that line the inverse transform amplifies errors by exp(x/horizon) <= e at most, for all x up
     to the horizon.
@@ -118,7 +118,7 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
     mass[0, 0] = 0
     poles: Complex = np.asarray(eigvals(pencil, mass), dtype=complex)
     poles = poles[np.isfinite(poles) & (np.abs(poles) < 100 * FAR_SAMPLE)]
-    # poles with Re > 0 come from rounding, beside a zero that cancels them: their residues vanish
+    # poles with Re > 0 come from rounding, near a zero that cancels them: their residues vanish
     return poles[(poles.real < 0) & (poles.imag > -1e-8 * np.abs(poles))]
 
 

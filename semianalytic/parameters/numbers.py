@@ -155,7 +155,7 @@ def _add_load(found: dict[str, Number], prefix: str, load: Any, path: Path) -> N
         if one.name in ("front", "history") and is_dataclass(value):
             inner = prefix if one.name == "front" else f"{name}_"
             _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
-        # Without a history the load is one expression of x and t, which has no number beside it.
+        # Without a history the load is one expression of x and t, which has no separate number.
         elif callable(value) or load.history is not None:
             _add_field(found, name, PARAMETERS.get(one.name, "1"), value, (*path, one.name))
 

@@ -112,7 +112,7 @@ def antiplane_traction(
 
 
 def antiplane_edge_intensity(material: Material, load_shear: float, strength_ratio: float) -> float:
-    """Return A of the slip rate A sqrt(1 - xi/xi_s) beside the edge of the zone [length / time].
+    """Return A of the slip rate A sqrt(1 - xi/xi_s) near the edge of the zone [length / time].
 
     It is A = (4 Q_0 / (pi rho c_t)) sqrt(xi_s / (c_t + xi_s)).
     """

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StaticZone:
-    """The static slip zone beside the contact edge under a constant strength.
+    """The static slip zone near the contact edge under a constant strength.
 
     The stress intensity of the zone's own traction at its far end cancels that of the load,
     2 strength sqrt(2 length / pi) = K_II or K_III (Dugdale; Barenblatt).

@@ -24,7 +24,7 @@ class WeertmanPulse:
     Attributes
     ----------
     velocity : float
-        Of the pulse, positive towards +x [length / time].
+        Speed of the pulse, positive towards +x [length / time].
     slip_rate : float
         Relative slip rate inside it [length / time]; it has the sign of the shear traction.
     pressure : float

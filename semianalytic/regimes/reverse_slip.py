@@ -78,7 +78,7 @@ def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
 
 
 def _least_traction(profile: Profile, gap: float) -> float:
-    """Return tau / (f p) + 1 at c_R, its least between zones, 1e-4 of the gap [b] beside it."""
+    """Return tau / (f p) + 1 at c_R, its least between zones, 1e-4 of the gap [b] near it."""
     load = profile.fields.load
     u = np.array([profile.fields.factors.c + 1e-4 * gap])
     bound = load.friction * (load.base_pressure + profile.pressure_change(u))

@@ -1,6 +1,6 @@
 """Files that appear complete or not at all, and in which damage is detected.
 
-A new file is filled under a temporary name beside its place and renamed when it is on the disk; a
+A new file is filled under a temporary name in its folder and renamed when it is on the disk; a
 temporary file that a killed writer has left is removed by the next one.  A file that is read back
 ends in a seal, the SHA-256 of everything before it, which is checked before anything is parsed.
 """
@@ -186,7 +186,7 @@ def has_seal(path: str | Path) -> bool:
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         start = max(size - 160, 0)
-        # The seal is at the end, so that a file without one is told from its last bytes.
+        # The seal is at the end: the last bytes show whether there is one.
         stream.seek(start)
         seal = _SEALED.search(stream.read())
         if seal is None:

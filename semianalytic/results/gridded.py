@@ -1,4 +1,4 @@
-"""What all answers share: the same questions, each answered or refused in one sentence."""
+"""Methods that all answers share, each of which answers or refuses in one sentence."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ class Gridded:
         for name, total, of in facts:
             try:
                 value = f"{float(total(end)):.6g}"
-            except SceneError:  # what was stored does not tell it
+            except SceneError:  # the stored fields do not determine it
                 value = "unknown"
             rows.append((name, value, unit(of, units)))
         return html_table(repr(self).strip("<>"), (f"at t = {end:.4g}", "value", "unit"), rows)

@@ -28,7 +28,7 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
     for digits in range(least, 17):
         if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
-            # One digit more than tells them apart, which shows by how much they differ.
+            # One digit more than distinguishes them, which shows by how much they differ.
             return digits if digits == least else digits + 1
     return 17
 
@@ -52,7 +52,7 @@ def html_table(caption: str, columns: Sequence[str], rows: Iterable[Sequence[str
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )
-    # white-space: a unit stays beside its number
+    # white-space: a unit stays with its number
     return (
         f'<table style="white-space: nowrap"><caption>{escape(caption)}</caption>'
         f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -9,7 +9,7 @@ from typing import Any
 
 
 class Interruption:
-    """A flag that tells whether Ctrl-C was pressed."""
+    """A flag that is set once Ctrl-C was pressed."""
 
     pressed = False
 

@@ -47,7 +47,7 @@ def _of_machine() -> int | None:
     except (OSError, ValueError, IndexError):
         pass
     try:
-        # Systems without /proc tell how much memory there is, not how much is free: half of it is
+        # Systems without /proc state how much memory there is, not how much is free: half of it is
         # assumed.
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     except (AttributeError, OSError, ValueError):

@@ -18,8 +18,15 @@ from semianalytic.scene.units import SI
 _POINTS = 800
 _TALLEST = 2.0
 """Largest slip rate drawn, over the one that a hundredth of the points exceed."""
-_SHOWN = {"length": (1e3, "mm"), "time": (1e6, "µs"), "stress": (1e-6, "MPa")}
-"""Sizes and names of the units in which scenes in those of the SI are drawn."""
+_SHOWN = {
+    "length": ((1e-3, "km"), (1.0, "m"), (1e3, "mm"), (1e6, "µm")),
+    "time": ((1.0, "s"), (1e3, "ms"), (1e6, "µs")),
+    "stress": ((1e-6, "MPa"), (1e-3, "kPa"), (1.0, "Pa")),
+}
+"""Units of figures of SI scenes: the largest of which there are two or more is drawn."""
+_TRACTIONS = ("pressure", "shear")
+_APART = 0.04
+"""Distance over the width of a figure below which waves share one label."""
 
 
 def drawn(answer: Any, ax: Any, t: float | None) -> Any:
@@ -27,9 +34,13 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
     with needing("plot"):
         from matplotlib import pyplot
     history = getattr(answer, "interface", None)
-    if t is None and history is not None:
-        return _map(answer, history, ax or pyplot.subplots(layout="constrained")[1])
-    axes = ax if ax is not None else pyplot.subplots(2, sharex=True, layout="constrained")[1]
+    mapped = t is None and history is not None
+    axes = ax
+    if ax is None:
+        figure, axes = pyplot.subplots(1 if mapped else 2, sharex=True, layout="constrained")
+        figure.suptitle(_title(answer.scene), fontsize="small")
+    if mapped:
+        return _map(answer, history, axes)
     _profile(answer, axes, _end(answer) if t is None else t)
     return axes
 
@@ -44,6 +55,7 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
         raise SceneError(f"animate: path must end with .gif, got {path.name}.")
     shown = np.linspace(end / 40, end, 40) if times is None else np.atleast_1d(times)
     figure, axes = pyplot.subplots(2, sharex=True, layout="constrained")
+    figure.suptitle(_title(answer.scene), fontsize="small")
     limits = _profile(answer, axes, float(np.max(shown)))
 
     def show(t: float) -> None:
@@ -85,9 +97,15 @@ def _end(answer: Any) -> float:
     return float(getattr(answer, "end_time", 1 / answer.scene.material.shear_speed))
 
 
-def _units(answer: Any) -> list[tuple[float, str]]:
-    """Return factors and names of the units of length, time and stress that are drawn."""
-    return [_SHOWN[one] if answer.scene.units == SI else (1.0, one) for one in _SHOWN]
+def _units(scene: Any, reach: float, end: float) -> list[tuple[float, str]]:
+    """Return factors and names of the units of length, time and stress, those of x, t and the
+    largest traction that a scene states as a number."""
+    if scene.units != SI:
+        return [(1.0, one) for one in _SHOWN]
+    stated = (getattr(of, what, 0.0) for of in (scene.base, scene.load) for what in _TRACTIONS)
+    most = max(abs(one) if isinstance(one, float | int) else 0.0 for one in stated)
+    units = zip(_SHOWN.values(), (reach, end, most), strict=True)
+    return [next((one for one in of if one[0] * size >= 2), of[-1]) for of, size in units]
 
 
 def _labelled(what: str, unit: str) -> str:
@@ -95,46 +113,99 @@ def _labelled(what: str, unit: str) -> str:
     return what if unit in _SHOWN else f"{what} [{unit}]"
 
 
+def _title(scene: Any) -> str:
+    """Return what a figure says of its scene."""
+    metre, _, pascal = _units(scene, scene.period, 0.0)
+    law, words = scene.friction, [f"ν = {scene.material.poisson_ratio:.3g}"]
+    coefficient = law if isinstance(law, float) else getattr(law, "friction", None)
+    if isinstance(coefficient, float):
+        words.append(f"f = {coefficient:.3g}")
+    if not isinstance(law, float):
+        words.append(type(law).__name__)
+    for of in ("base", "load"):
+        for what in _TRACTIONS:
+            value = getattr(getattr(scene, of), what, 0.0)
+            number = isinstance(value, float | int)
+            if not number or value:
+                stated = _with_unit(value, pascal) if number else "varies"
+                words.append(f"{of} {what} {stated}")
+    if scene.on_line and np.isfinite(scene.period):
+        words.append(f"period {_with_unit(scene.period, metre)}")
+    return ", ".join(words)
+
+
+def _with_unit(value: float, unit: tuple[float, str]) -> str:
+    """Return a number with its unit, if that has a name."""
+    return f"{value * unit[0]:.4g}" + (f" {unit[1]}" if unit[1] not in _SHOWN else "")
+
+
 def _map(answer: Any, history: Any, ax: Any) -> Any:
     """Draw the slip rate over x and t, and wave fronts from the edge or from where slip begins."""
-    length, time, _ = _units(answer)
     x, t, rate = history.x, history.t, history.slip_rate
-    origin, begin, sign = 0.0, 0.0, 1
+    origin, begin, signs = 0.0, 0.0, [1]
     if (touching := getattr(history, "touching", None)) is not None:
         x, rate = x[touching], rate[:, touching]
         onset = np.where(np.isfinite(answer.onset[touching]), answer.onset[touching], np.inf)
         first = int(onset.argmin())
         if np.isfinite(onset[first]):
-            origin, begin = x[first], onset[first]
-            sign = 1 if x[-1] - origin >= origin - x[0] else -1
-    slips = np.abs(rate[rate != 0])
-    most = np.quantile(slips, 0.99) if slips.size else 1.0  # it may be infinite at the edge
+            origin, begin, signs = x[first], onset[first], [1, -1]
+    length, time, _ = _units(answer.scene, np.ptp(x), t[-1])
+    slips = np.abs(rate[np.isfinite(rate)])
+    # a line that hardly slips, or rests, does not count
+    slips = slips[slips > 0.01 * slips.max(initial=0.0)]
+    most = float(np.quantile(slips, 0.99)) if slips.size else 1.0  # higher at the edge
     # as many cells as a picture has pixels: levels and nodes may be tens of thousands
     rows, columns = (slice(None, None, -(-len(one) // _POINTS)) for one in (t, x))
     cells = x[columns] * length[0], t[rows] * time[0], rate[rows, columns]
     colours = {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
     mesh = ax.pcolormesh(*cells, **colours, shading="nearest", rasterized=True)
-    ax.figure.colorbar(mesh, ax=ax, label="slip rate" + " [m/s]" * (answer.scene.units == SI))
+    label = "slip rate" + " [m/s]" * (answer.scene.units == SI)
+    beyond = "both" if slips.max(initial=0.0) > most else "neither"
+    ax.figure.colorbar(mesh, ax=ax, label=label, extend=beyond)
+    labels: list[tuple[float, float, str]] = []
     for name, speed in _waves(answer).items():
-        run = min(t[-1] - begin, abs(x[-1 if sign > 0 else 0] - origin) / speed)
-        at = (origin + sign * speed * run) * length[0], (begin + run) * time[0]
-        ax.plot([origin * length[0], at[0]], [begin * time[0], at[1]], color="0.4", lw=0.8)
-        side = "right" if "R" in name else "left"  # c_R is close to c_t
-        ax.annotate(name, at, xytext=(0, 3), textcoords="offset points", ha=side)
-    ax.set(xlabel=_labelled("x", length[1]), ylabel=_labelled("t", time[1]))
+        # where waves cross the line many times they are no lines of a picture
+        for sign in signs if speed * t[-1] < 20 * np.ptp(x) else ():
+            run = min(t[-1] - begin, abs(x[-1 if sign > 0 else 0] - origin) / speed)
+            at = (origin + sign * speed * run) * length[0], (begin + run) * time[0]
+            ax.plot([origin * length[0], at[0]], [begin * time[0], at[1]], color="0.4", lw=0.8)
+            if run > 0:
+                labels.append((*at, name))
+    _name(ax, labels, np.ptp(x) * length[0], "data")
+    limits = [one * length[0] for one in (min(x[0], 0.0), x[-1])]
+    ax.set(xlabel=_labelled("x", length[1]), ylabel=_labelled("t", time[1]), xlim=limits)
     return ax
+
+
+def _name(ax: Any, labels: list[tuple[float, float, str]], width: float, rise: str) -> None:
+    """Write the names of waves at places (x, y, name); those close to each other share one."""
+    groups: list[list[tuple[float, float, str]]] = []
+    for one in sorted(labels):
+        if groups and one[0] - groups[-1][-1][0] < _APART * width:
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    for group in groups:
+        x, y, _ = group[-1]
+        names = ", ".join(name for *_, name in group)
+        above = {"textcoords": "offset points", "xycoords": ("data", rise), "ha": "center"}
+        ax.annotate(names, (x, y), xytext=(0, 3), fontsize="small", **above)
 
 
 def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     """Draw slip rate, and tractions on a second axis, over x at a time; return limits for later."""
-    length, time, stress = _units(answer)
+    scene: Any = answer.scene
     known: Any = getattr(answer, "interface", None)
     nodes, touching = getattr(known, "x", None), getattr(known, "touching", None)
     waves = _waves(answer)
     reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]
-    moving = (*answer.zones_at(end), *answer.openings_at(end))
+    if nodes is None and scene.front_slowness > 0:  # a load whose front runs over the contact
+        reach = max(reach, 1.2 * end / max(scene.front_slowness, 0.2 / max(waves.values())))
+    length, time, stress = _units(scene, reach, end)
+    opened = answer.openings_at(end)
     # on a whole line slip spreads to both sides
-    start = -reach if any(part.start < 0 for part in moving) else 0.0
+    spreads = any(part.start < 0 for part in (*answer.zones_at(end), *opened))
+    start = -reach if spreads else 0.0
     if limits is not None:
         start, reach = limits[0]
     x = np.linspace(start, reach, _POINTS + 1)[1:] if touching is None else known.x[touching]
@@ -145,31 +216,36 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     # it may be infinite at points
     tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
     upper.plot(x * length[0], np.where(np.abs(rate) <= tallest, rate, np.nan))
-    upper.set_ylabel("slip rate" + " [m/s]" * (answer.scene.units == SI))
+    upper.set_ylabel("slip rate" + " [m/s]" * (scene.units == SI))
     upper.set_title(f"t = {end * time[0]:.4g} {time[1]}".removesuffix(" time"), loc="left")
+    for part in opened:
+        for one in panels:
+            span = (part.start * length[0], min(part.end, reach) * length[0])
+            one.axvspan(*span, color="0.85", label="open" if part is opened[0] else None)
     if len(panels) == 2:
-        for name in ("shear_traction", "pressure"):
-            values = stress[0] * getattr(answer, name)(x, end)
-            panels[1].plot(x * length[0], values, label=name.replace("_", " "))
-        if isinstance(getattr(answer.scene, "friction", None), float):
-            strength = answer.scene.friction * values
-            panels[1].plot(x * length[0], strength, ":", color="0.3", label="strength f p")
+        for name in reversed(_TRACTIONS):
+            values = stress[0] * getattr(answer, name.replace("shear", "shear_traction"))(x, end)
+            panels[1].plot(x * length[0], values, label=name.replace("shear", "shear traction"))
+            if name == "shear":
+                signs = {float(np.sign(one)) for one in (values.min(), values.max()) if one}
+        if isinstance(getattr(scene, "friction", None), float):
+            for sign in signs:  # friction bounds the shear traction on the sides that it is on
+                bound = sign * scene.friction * values
+                label = "strength f p" if sign == max(signs) else None
+                panels[1].plot(x * length[0], bound, ":", color="0.3", label=label)
         panels[1].set_ylabel(_labelled("traction", stress[1]))
-        panels[1].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)
+        panels[1].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4, frameon=False)
+    labels = []
     for name, speed in waves.items():
-        place = speed * end * length[0]
-        for at in (place, -place) if speed * end < reach else ():
-            if at < start * length[0]:
-                continue
-            for one in panels:
-                one.axvline(at, color="0.7", lw=0.8)
-        if speed * end < reach:
-            above = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-            side = "right" if "R" in name else "left"  # c_R is close to c_t
-            upper.annotate(name, (place, 1), xytext=(0, 3), ha=side, **above)
+        for place in (speed * end, -speed * end):
+            if start <= place < reach and touching is None:
+                labels.append((place * length[0], 1.0, name))
+                for one in panels:
+                    one.axvline(place * length[0], color="0.7", lw=0.8)
+    _name(upper, labels, (reach - start) * length[0], "axes fraction")
     panels[-1].set_xlabel(_labelled("x", length[1]))
-    for one, known in zip(panels, limits[1] if limits else (), strict=False):
-        one.set_ylim(known)
+    for one, set_before in zip(panels, limits[1] if limits else (), strict=False):
+        one.set_ylim(set_before)
     return (start, reach), [one.get_ylim() for one in panels]
 
 
@@ -181,4 +257,5 @@ def _waves(answer: Any) -> dict[str, float]:
         f"$c_{name}{of}$": getattr(body, f"{wave}_speed")
         for of, body in bodies.items()
         for name, wave in (("R", "rayleigh"), ("t", "shear"), ("l", "longitudinal"))
+        if name == "t" or answer.scene.mode != "antiplane"
     }

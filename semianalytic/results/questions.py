@@ -259,7 +259,9 @@ def onsets_until(
     threshold : (k,) array
         |slip rate| beyond which slip has begun, at each of the k levels [length / time].
     """
-    waiting = np.flatnonzero(~np.isfinite(onset))
+    # most nodes slip already, or not yet: the few others are looked at level by level
+    waiting = ~np.isfinite(onset)
+    waiting = np.flatnonzero(waiting & (speeds[1:].max(axis=0) > threshold.min()))
     if not len(waiting):
         return onset
     begins = speeds[1:, waiting] > threshold[:, None]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
-from semianalytic.results.places import contact_positions
+from semianalytic.results.places import contact_positions, line_positions
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ def self_similar_reading(
     """Return the reading of an exact answer.
 
     Edges are known up to `error_estimate` times a wave speed.  A field may be wrong by that share
-    of its scale, and by what it changes by if all edges are shifted so far: a square root beside an
+    of its scale, and by what it changes by if all edges are shifted so far: a square root near an
     edge is then as uncertain as the place of the edge makes it, and so is the logarithm at c_R.
 
     Parameters
@@ -190,32 +190,32 @@ def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
 
     Parameters
     ----------
-    answer : SampledAnswer
+    answer : SampledAnswer or LineAnswer
         The answer; its `companion` has half the nodes.
     x, t : arrays
         Positions [length] and times [time], which broadcast.
     """
-    x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
+    x, t = np.broadcast_arrays(line_positions(x), np.asarray(t, dtype=float))
     arrivals = {of: _sampled_arrival(answer, x, of) for of in ARRIVALS}
     steep = _steep(answer, x, t)
     fields = {name: _sampled_field(answer, name, x, t, steep) for name in FIELDS}
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 
-def _around(fine: Array, coarse: Array, x: Array) -> tuple[list[Array], float]:
-    """Return the places that count around x for answer and companion, and their distance."""
-    step = float(coarse[1] - coarse[0]) if len(coarse) > 1 else float(coarse[0])
-    # The contact that both answers know ends one node distance beyond the last node.
-    reach = min(nodes[-1] + nodes[0] for nodes in (fine, coarse))
+def _around(answer: Any, x: Array) -> tuple[list[Array], float]:
+    """Return the places that count around x, and the node distance of the companion."""
+    nodes = answer.companion.interface.x
+    step = float(nodes[1] - nodes[0]) if len(nodes) > 1 else float(nodes[0])
     # Near either end the stencil is folded onto the contact that both answers know.
-    return [np.clip(x + k * step, np.minimum(x, step / 8), reach) for k in _STENCIL], step
+    low, high = answer._known_around(x, step)
+    return [np.clip(x + k * step, low, high) for k in _STENCIL], step
 
 
 def _sampled_arrival(answer: Any, x: Array, of: str) -> Measured:
     when, coarse = answer.arrival(x, of), answer.companion
     if coarse is None:
         return Measured(when, np.full(x.shape, np.inf))
-    places, step = _around(answer.interface.x, coarse.interface.x, x)
+    places, step = _around(answer, x)
     error = np.zeros(x.shape)
     for place in places:
         here, there = answer.arrival(place, of), coarse.arrival(place, of)
@@ -243,19 +243,20 @@ def _sampled_field(
     def apart(x: Array, t: Array) -> Array:
         return np.abs(np.asarray(field(x, t) - other(x, t)))
 
-    places, step = _around(answer.interface.x, coarse.interface.x, x)
+    places, step = _around(answer, x)
     lag, end = step / answer.scene.material.shear_speed, min(answer.end_time, coarse.end_time)
+    first = max(float(answer.interface.t[0]), 0.0)
     error = np.zeros(value.shape)
     for place in places:
         for k in _STENCIL:
-            error = np.maximum(error, apart(place, np.clip(t + k * lag, np.minimum(t, 0.0), end)))
+            error = np.maximum(error, apart(place, np.clip(t + k * lag, np.minimum(t, first), end)))
     # where both stick there is slip that neither shows, hence the mean over the contact until then
-    until = min(float(t.max(initial=0.0)), end)
-    nodes = coarse.interface.x[coarse.interface.x <= answer.interface.x[-1]]
+    until, nodes = min(float(t.max(initial=0.0)), end), answer._moved
     nodes = nodes[:: max(1, len(nodes) // _MEAN)]
     mean = 0.0
-    if until > 0:
-        mean = float(apart(nodes, np.linspace(until / _MEAN, until, _MEAN)[:, None]).mean())
+    if until > first and len(nodes):
+        times = first + (until - first) * np.arange(1, _MEAN + 1) / _MEAN
+        mean = float(apart(nodes, times[:, None]).mean())
     error = SAMPLED_SAFETY * np.maximum(error, mean)
     if steep.any():
         near = np.array([np.asarray(field(place, t)) for place in places])
@@ -267,8 +268,11 @@ def _steep(answer: Any, x: Array, t: Array) -> NDArray[np.bool_]:
     """Return where fields of an answer with a companion are steeper than a grid resolves."""
     if answer.companion is None:
         return np.zeros(x.shape, dtype=bool)
-    places, step = _around(answer.interface.x, answer.companion.interface.x, x)
-    return _on_front(answer.scene, x, t, 2 * step) | _at_edge(answer, places, t)
+    places, step = _around(answer, x)
+    fronts = np.zeros(x.shape, dtype=bool)
+    if not answer.scene.on_line:  # a slot, whose waves come from its edge at x = 0
+        fronts = _on_front(answer.scene, x, t, 2 * step)
+    return fronts | _at_edge(answer, places, t)
 
 
 def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_]:

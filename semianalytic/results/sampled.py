@@ -7,6 +7,7 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,6 +101,20 @@ class SampledAnswer(Questions, Gridded):
         return sampled_reading(self, x, t)
 
     _on = slice(None)
+
+    def _known_around(self: Any, x: Array, step: float) -> tuple[Array, float]:
+        """Return between which places x > 0 the answer and its companion know the contact.
+
+        It ends one node distance beyond the last node.
+        """
+        grids = (self.interface.x, self.companion.interface.x)
+        return np.minimum(x, step / 8), min(float(nodes[-1] + nodes[0]) for nodes in grids)
+
+    @property
+    def _moved(self: Any) -> Array:
+        """Nodes of the companion on the contact that both know."""
+        nodes = self.companion.interface.x
+        return np.asarray(nodes[nodes <= self.interface.x[-1]])
 
     @property
     def _seen(self) -> InterfaceHistory:

@@ -22,7 +22,7 @@ SOLVED = "slipfront solution 1"
 
 @dataclass(frozen=True)
 class SavedScene:
-    """What an exact answer follows from.
+    """The scene and settings of an exact answer.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def read_answer(
     make : dataclass
         Class of the answer.
     instead, again : str
-        What to give in place of another file, and what to do if this one is damaged.
+        File to give in place of another one, and remedy if this one is damaged.
     **known
         Fields that the file lacks.
 
@@ -139,12 +139,19 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
             continue
         if name in group.attrs:
             value = json.loads(group.attrs[name])
+            if kind is Scene and '{"function": ' in group.attrs[name]:
+                raise DataFileError(
+                    "the file holds the answer of a scene with functions of Python, which no file "
+                    "can hold; give the scene as well: sf.load(path, scene)."
+                )
             values[name] = scene_from_document(value) if kind is Scene else value
         elif name in group and not hasattr(group[name], "shape"):
             (part,) = (
                 one for one in (kind, *get_args(kind)) if hasattr(one, "__dataclass_fields__")
             )
-            values[name] = _read(group[name], part, {})
+            # a companion is of the same scene
+            given = {one.name: known[one.name] for one in fields(part) if one.name in known}
+            values[name] = _read(group[name], part, given)
         elif name in group:
             # no deflated array is a thousandth of its size; one that was never written holds none
             if group[name].nbytes > 1100 * (group[name].id.get_storage_size() + 1000):

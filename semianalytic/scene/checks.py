@@ -87,7 +87,7 @@ def checked_number(
     required : str
         The requirement, for the message.
     admitted : callable, optional
-        Function that tells whether a finite number is admissible; all are by default.
+        Function that is true for admissible finite numbers; all are by default.
 
     Raises
     ------

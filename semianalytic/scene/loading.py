@@ -114,6 +114,11 @@ class Patch(LineLoad):
     shear: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.speed == 0:
+            raise SceneError(
+                "patch: its ends must move; for a load that stays on a stretch give an "
+                "InterfaceLoad, a function of x, and the contact of the scene."
+            )
         object.__setattr__(self, "speed", checked_size("patch: speed", self.speed))
         check_fields(self, "patch", ("pressure", "shear"))
 

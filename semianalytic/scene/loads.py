@@ -128,8 +128,8 @@ class LoadHistory(ABC):
         """Return how far f goes up and down again, or down and up, within a time `width`.
 
         The turn is relative to the largest value of f.  It is 0 where f only rises or only falls; a
-        jump is no turn.  A march has to resolve turns (docs/spacetime.md, "What the grid
-        resolves").
+        jump is no turn.  A march has to resolve turns (docs/spacetime.md, "Resolution of
+        the grid").
 
         Parameters
         ----------

@@ -80,7 +80,7 @@ def in_units_of(units: str, what: str, value: Any, dimension: str) -> Any:
 def with_quantities(described: Class) -> Class:
     """Let the dataclass of a scene, or of a part of one, take quantities for its `PARAMETERS`.
 
-    What was made of quantities, or of parts that were, holds numbers of the SI, and `made_in_si`
+    Objects made of quantities, or of such parts, contain numbers of the SI, and `made_in_si`
     says so.  A keyword that the class does not have is refused with the one that was meant.
     """
     plain = described.__init__  # type: ignore[misc]

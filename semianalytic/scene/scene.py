@@ -62,7 +62,7 @@ _LOADS = (Tractions, IncidentWave, MovingLoad, LineLoad, InterfaceLoad, FrontLoa
 class Scene(AlongLine):
     """Two half-planes in frictional contact, with base tractions and a load.
 
-    Bodies touch on x > 0, beside an open slot x < 0, unless `contact` says otherwise.  Contacts,
+    Bodies touch on x > 0, next to an open slot x < 0, unless `contact` says otherwise.  Contacts,
     fields that vary along x, several loads and laws with a state are marched along a line, which
     `period`, `rate`, `plate_rate`, `held`, `even`, `adhesion` and `run` are for.  A field is a
     number, a function of x, or a `Table`.
@@ -115,8 +115,8 @@ class Scene(AlongLine):
     adhesion : Adhesion, optional
         Tension that the contact carries before it opens; none by default.
     run : mapping
-        Settings of the march along the line, such as end_time and nodes, where others are not
-        given to `solve`.  Scenes that differ only in them compare as equal.
+        Settings of a march, such as end_time and nodes, where others are not given to `solve`.
+        Scenes that differ only in them compare as equal.
 
     Raises
     ------
@@ -370,7 +370,7 @@ class Scene(AlongLine):
 
     @property
     def kind(self) -> str:
-        """What the table of methods calls it."""
+        """Kind of the scene in the table of methods."""
         if self.on_line:
             return "Scene on a line"
         if self.grows:

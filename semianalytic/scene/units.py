@@ -163,7 +163,7 @@ def measure(text: str, dimension: str, size: Callable[[str, str], float | None] 
     text : str
         A number, which a unit may follow.
     dimension : str
-        What it has to be.
+        Condition that it has to meet.
     size : callable
         Function of a unit's name and a dimension that returns its size in the SI, None if it is
         not known.

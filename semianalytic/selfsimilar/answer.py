@@ -1,4 +1,4 @@
-"""What all self-similar answers share: zones and openings whose edges move evenly."""
+"""Methods that all self-similar answers share: zones and openings whose edges move evenly."""
 
 from __future__ import annotations
 

@@ -164,10 +164,10 @@ def refined_zones(trial: Trial, rtol: float) -> tuple[Trial, float]:
         # Zones that shrink to nothing have no relative error.
         if not numerical + missed < np.inf:
             return replace(finer, steps=steps), np.inf
-        # What does not decrease any more is rounding: finer rules would only cost more.
+        # A residual that no longer decreases is rounding: finer rules would only cost more.
         if numerical > 0.5 * before:  # beyond that only rounding changes
             break
-        # The zone of slip that is missed by more is not known, nor how its slip grows beside it.
+        # The zone of slip that is missed by more is not known, nor how its slip grows near it.
         # Errors of 35 bases just below friction were up to 2.2 times their estimates without this.
         missed *= 4.0 if missed > rtol else 1.0
         trial, before, estimate = finer, numerical, numerical + missed

@@ -1,6 +1,6 @@
 """Zones of a self-similar solution in words and as a table.
 
-Numbers have as many digits as tell the edges apart.
+Numbers have as many digits as distinguish the edges.
 """
 
 from __future__ import annotations

@@ -55,7 +55,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     error_estimate : float
         Estimate, meant as a bound, of the errors of
 
-        - zone edges, relative to c_t; a zone, or a part of a zone beside its edge, that slips less
+        - zone edges, relative to c_t; a zone, or a part of a zone near its edge, that slips less
           than this, relative to the largest slip rate, may be missing or have the other sense;
         - the slip rate over all positions, in L1 relative to its own L1 norm;
         - the slip rate at every point further than 0.03 c_t from zone edges and from c_R,
@@ -178,7 +178,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         """Return the gap of the open contact [length], 0 where closed; raises like `slip_rate`."""
         over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
         gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
-        # Rounding may leave a negative gap beside the ends of the opening.
+        # Rounding may leave a negative gap near the ends of the opening.
         return np.where(is_open(self.openings, x, t), np.maximum(gap, 0.0), 0.0)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -318,7 +318,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
 
         Errors of edges are `error_estimate` times c_t.  Those of fields are that share of the
         scales at `error_estimate`, and what a shift of all edges by their error changes, so that
-        they hold beside edges and at c_R as well.  All bars are inf if the solution breaks
+        they hold near edges and at c_R as well.  All bars are inf if the solution breaks
         Coulomb's law.
 
         Parameters

@@ -182,7 +182,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     loose = min(loose_tolerance(rtol), 1e-5)
     rated, last = approached(dry.profile, law, loose, speed)
     best, estimate = rated, np.inf
-    # What the longest rule leaves out no finer one brings back, after seconds to minutes.
+    # Slip that the longest rule omits is not found by finer ones, after seconds to minutes.
     hopeless = rated is not None and always_cut_off(rated.profile.fields, law) > rtol
     if rated is not None and hopeless:
         estimate = companion_error(rated, law, loose)

@@ -1,4 +1,4 @@
-"""What a self-similar solution cost."""
+"""Cost of a self-similar solution."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ from semianalytic.selfsimilar.zones.motion import SlipZone, over_slowness
 
 @dataclass(frozen=True, eq=False)
 class ContactTotals:
-    """What slips on the contact, and what friction takes there.
+    """Slip on the contact, and the energy that friction takes there.
 
     `profile` is in `rate_unit` and `stress_unit`; `moving` are parts in contact or open.
     """

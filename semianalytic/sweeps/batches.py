@@ -111,7 +111,7 @@ class ZoneSets:
 def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Array]:
     """Return inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns; NaN if singular."""
     size, count = unknowns.shape
-    # All differences of all sets are evaluated in one sweep: each set stands beside its e
+    # All differences of all sets are evaluated in one sweep: each set stands next to its e
     # neighbours, of which neighbour j has the unknown j nudged.
     nudges = sets.edges.nudges(unknowns)
     neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
@@ -229,7 +229,7 @@ def _located(
 
 @dataclass(frozen=True)
 class _PolishedZones:
-    """Sets of zones on a rule: indices, unknowns (e, k), bounds of their errors, fields beside."""
+    """Sets of zones on a rule: indices, unknowns (e, k), bounds of their errors, their fields."""
 
     kept: np.ndarray
     settled: np.ndarray

@@ -111,7 +111,7 @@ class Continuation:
         between: dict[Edges, list[int]] = {}
         for left, right, inside in self._gaps():
             edges = self._edges(left)
-            # What lies between equal zones probably has the same ones, and may fill up a batch
+            # Points between equal zones probably have the same ones, and may fill up a batch
             # below.
             if edges is not None and edges == self._edges(right):
                 between.setdefault(edges, []).extend(inside)
@@ -146,7 +146,7 @@ class Continuation:
             return [(at_left, left, tuple(inside[step :: step + 1][:parts]))]
         if count < 3:  # closer to a change neither set is tried; twice: 19 % less work
             return []
-        # Somewhere in the gap zones change: each set is tried over the half beside its own end,
+        # Somewhere in the gap zones change: each set is tried over the half near its own end,
         # from there inward.
         step, most = -(-count // 8), 4  # four from either side; with two work is 16 % less
         offsets = [k * step - 1 for k in range(1, most + 1) if k * step <= count]
@@ -161,7 +161,7 @@ class Continuation:
         self.solutions[i] = solution
         fields = solution.profile.fields
         load = fields.load
-        # Without friction edges do not move with it, and beside an opening they depend on its ends,
+        # Without friction edges do not move with it, and near an opening they depend on its ends,
         # which the batches do not follow; such scenes are solved one by one.
         if solution.status == "converged" and not (load.frictionless or load.opened):
             edges, unknowns = edges_of(fields.factors, fields.zones)

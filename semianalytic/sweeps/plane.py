@@ -188,7 +188,7 @@ class Plane:
         parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), strict=True)
         found = [Followed(pattern, *each) for each in parts]
         self._keep(some.points[sound], found, INTERPOLATED, 1, done.nodes, seconds)
-        # What Coulomb's law has refuted has other zones and is not tried again with these.
+        # A point that violates Coulomb's law has other zones and is not tried again with these.
         return done.approached[~(done.sound | done.refuted)]
 
     def _compute(self, pattern: Pattern, some: Predictions) -> None:

@@ -103,7 +103,7 @@ def predicted(
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
     inverse, others = (one / back for one in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
-    # The median: a single neighbour on a very fine rule, beside a threshold, does not make all
+    # The median: a single neighbour on a very fine rule, near a threshold, does not make all
     # points around it expensive.
     tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
     nearest = near[:, :4]  # the largest error estimate of the nearest four
@@ -111,7 +111,7 @@ def predicted(
     # better than they are.
     estimate = np.array([one.estimate for one, _ in footed])[nearest].max(axis=1)
     shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
-    # What the estimate leaves for the error of a looser rule; a little is left in any case, so that
+    # The share of the estimate for the error of a looser rule, never 0, so that
     # the logarithm below exists.
     room = np.maximum(rtol - estimate, 0.05 * rtol)
     loose = np.maximum(_loose_enough(shift, room, rtol), tolerance)

@@ -221,7 +221,7 @@ def sweep(
         edge unknowns, 1e-2); finer than that they rest on the difference of interpolations through
         fewer and more neighbours.  Over friction and Poisson ratio their edges fulfil the edge
         conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
-        inequalities are checked there to 1e-3, beside other zones to `rtol` on the fine rule.
+        inequalities are checked there to 1e-3, near other zones to `rtol` on the fine rule.
 
     Raises
     ------

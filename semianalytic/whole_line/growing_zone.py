@@ -51,7 +51,7 @@ def finite_part(power: int, lag: int) -> tuple[Array, Array]:
         series = np.eye(_POINTS)[j]
         rest, finite = chebyshev.chebval(2 * nodes - 1, series), 0.0
         # The Taylor terms at y = 0, where T_j(-1) = (-1)^j and d/dy = 2 d/dx, are integrated in
-        # closed form. What is left of T_j vanishes like y^power and may be divided by it.
+        # closed form. The remainder of T_j vanishes like y^power and may be divided by it.
         for m in range(power):
             slope = chebyshev.chebval(-1.0, chebyshev.chebder(series, m)) if m else (-1.0) ** j
             value = float(slope) * 2.0**m / factorial(m)
@@ -86,7 +86,7 @@ class GrowingZone:
     Attributes
     ----------
     factors : RayleighFactors
-        Of the mode of shear.
+        Impedance in the mode of shear.
     power : int
         n >= 0; 0 is the step of a `Scene`.
     ratio : float

@@ -61,7 +61,7 @@ class LineSolution(SelfSimilarAnswer):
 
     @cached_property
     def drive(self) -> Drive:
-        """What drives slip or opening."""
+        """Load that drives slip or opening."""
         return Drive(self.scene)
 
     def __repr__(self) -> str:

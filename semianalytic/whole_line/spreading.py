@@ -40,7 +40,7 @@ class Spreading:
     Attributes
     ----------
     factors : RayleighFactors
-        Of the mode of motion.
+        Impedance in the mode of motion.
     patch : float
         Speed w of the patch over c_t; 0 for a point force.
     edge : float
@@ -133,7 +133,7 @@ class Spreading:
     def _logarithm(self, xi: Array) -> Array:
         with np.errstate(divide="ignore"):
             # y_p^2 - y^2 = (xi^2 - w^2) e_s^2, in factors: y_p - y itself would lose its digits
-            # beside the end of the patch.
+            # near the end of the patch.
             lag = np.abs((xi - self.patch) * (xi + self.patch)) * self.edge**2
             return np.asarray(2 * np.log(self.beyond + self._share(xi)) - np.log(lag))
 
@@ -156,7 +156,7 @@ class Spreading:
             from_end = (lead + to_edge) * (end + at.v)
             return np.asarray(2 * self.scale * end**2 * self.beyond * imaginary / (from_end * root))
 
-        # The pole at e_p lies `lead` beyond the edge: panels beside the edge must be shorter than
+        # The pole at e_p lies `lead` beyond the edge: panels near the edge must be shorter than
         # that.
         least = min(lead / 2, self.edge)
         return RunningIntegral(self.factors, slope, panels_to(self.factors, self.edge, least))
@@ -238,7 +238,7 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
             "outside, and what is missing to motion must be less of the excess, got "
             f"{missing:.17g}."
         )
-    # The unknown is a logarithm, so that an edge beside the wave, or beside the patch, keeps all
+    # The unknown is a logarithm, so that an edge near the wave, or near the patch, keeps all
     # digits of that distance.
     return at(brentq(excess, _NEAREST, farthest, xtol=1e-15, rtol=1e-15))
 

@@ -136,7 +136,7 @@ def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> fl
 def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
-    What is none, or has a unit that cannot be taken, is refused by a SceneError.
+    Anything else, or a unit that cannot be taken, is refused by a SceneError.
     """
     try:
         number = measure(text, dimension, si_size)

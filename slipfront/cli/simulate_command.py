@@ -37,7 +37,7 @@ WORTH_KEEPING = 1e8
 OVERRUN = 1.2
 """Times its budget from which on it is said that a comparison will exceed it."""
 LOOKED_AT = 0.1
-"""Part of the steps from which on they tell how long all will take."""
+"""Part of the steps from which on they predict the time of all."""
 
 
 @options.with_options(
@@ -96,7 +96,7 @@ def watched(
     label: str,
     tell: Callable[[str], None],
 ) -> Progress:
-    """The progress of a simulation of a predicted cost, which tells once if all takes too long.
+    """The progress of a simulation of a predicted cost, which reports once if all takes too long.
 
     Allowed are the seconds that the simulation, its companions and its comparison were expected to
     take on this machine, and those of the budget; a fifth more than these is too long.
@@ -136,9 +136,9 @@ def simulate_into(
 ) -> Simulation:
     """Run the finite-element model and write its history, and snapshots if requested.
 
-    Then the same on coarser meshes, if companions are wanted.  What is foretold is said before it
-    starts, in place of what it is going to take.  That it will take longer than allowed is said
-    as soon as its steps show it (`watched`).
+    Then the same on coarser meshes, if companions are wanted.  The predicted cost is
+    printed before it starts, and a warning as soon as its steps show that it will take longer than
+    allowed (`watched`).
     """
     from fem import cost, simulate
     from fem.budget import check_room, machine_pace

@@ -34,7 +34,7 @@ _OPTIONS: Mapping[str, Any] = {
         "Time T up to which to report [time]; a march ends there, at 1 / c_t by default.",
     ),
     "x": options.option(
-        "Positions x > 0 to tell about, as 0.05 or 5cm,10cm: when slip comes there.",
+        "Positions x > 0 at which to print arrivals and fields, as 0.05 or 5cm,10cm.",
         _POINTS,
         flag="--x",
         metavar="X,...",

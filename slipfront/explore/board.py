@@ -13,7 +13,7 @@ from bokeh.model import Model
 from bokeh.models import ColumnDataSource, Range1d
 
 FILLED, ROOM = 0.6, 0.04
-"""Least share of an axis that values must fill, and the margin beside them at first."""
+"""Least share of an axis that values must fill, and the margin near them at first."""
 
 
 class Board:

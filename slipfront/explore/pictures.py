@@ -55,7 +55,7 @@ WITH_COLOUR_BAR = 1.12
 
 
 def _tell_values(panel: figure, renderer: Any, mode: str = "mouse", **shown: str) -> None:
-    """Show values beside the pointer: what each is called, and the column that holds it."""
+    """Show values next to the pointer: what each is called, and the column that holds it."""
     tips = [(name.replace("_", " "), column) for name, column in shown.items()]
     panel.add_tools(HoverTool(renderers=[renderer], tooltips=tips, mode=mode))
 

@@ -1,4 +1,4 @@
-"""Answers in words beside the pictures: where the interface slips, and the scales of the axes."""
+"""Answers in words next to the pictures: where the interface slips, and the scales of the axes."""
 
 from __future__ import annotations
 

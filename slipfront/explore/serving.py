@@ -145,7 +145,7 @@ def address_of(server: BaseServer) -> str:
 
 
 def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
-    """Serve the page until it is interrupted, and tell its address; a browser may open it."""
+    """Serve the page until it is interrupted, and print its address; a browser may open it."""
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     logging.getLogger("tornado.access").setLevel(logging.ERROR)
     server = make_server(scene, port)

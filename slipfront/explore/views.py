@@ -186,7 +186,7 @@ class FieldView:
     lines : list of (x, y)
         Wave fronts in both bodies.
     names : list of (name, x, y)
-        Names of waves, each beside its front.
+        Names of waves, each next to its front.
     parts : list of (kind, start, end)
         Slipping and open parts of the interface.
     """

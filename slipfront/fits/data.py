@@ -22,7 +22,7 @@ from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 
 Subject = Scene | None
-"""What is fitted; None where that is not known yet."""
+"""Scene that is fitted; None where it is not known yet."""
 _Made = tuple[Callable[[str], Gauge], str]
 """A function that makes a gauge of a given name, and the gauge's quantity."""
 _BASES = ("base_shear", "base_pressure", "shear", "pressure")
@@ -51,9 +51,9 @@ def read_gauges(
         Standard deviation where no column gives it, in the unit of the quantity; the key "" stands
         for all other quantities.
     scene : Scene, optional
-        What the records are of.  Without it changes of tractions are refused.
+        Scene of the records.  Without it changes of tractions are refused.
     gauges : mapping from name to tuple, optional
-        Of tables with a column for each gauge: what the column of that name records, and where, as
+        Quantity and place of each column, in tables with one column for each gauge, as
         ``{"SG1": ("exx", 0.02, 0.0035)}``, or without y on the interface.  No other is read.
 
     Returns

@@ -1,4 +1,4 @@
-"""Figures of fits: records against the fit, and how well parameters are told apart."""
+"""Figures of fits: records against the fit, and how well parameters are distinguished."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def variables_of(plan: SurveyPlan, chunks: Chunks) -> dict[str, Variable]:
 
 
 def _bodies(plan: SurveyPlan) -> dict[str, Material]:
-    """Return the bodies whose wave speeds are told, by the prefix of their names."""
+    """Return the bodies whose wave speeds are stored, by the prefix of their names."""
     if of_two_bodies(plan.scene, (*plan.values, *plan.fixed)):
         return dict(zip(("", "lower_"), plan.scene.bodies, strict=True))
     return {"": plan.scene.material}

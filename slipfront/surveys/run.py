@@ -80,7 +80,7 @@ def survey(
         interfaces.
     path : path, optional
         NetCDF file to write, NAME.nc.  Until it is complete, finished chunks are kept in a hidden
-        folder beside it, from which an interrupted survey resumes.
+        folder next to it, from which an interrupted survey resumes.
     chunk : int, optional
         Largest number of points that are solved and saved together; results depend on it
         within their error estimates.

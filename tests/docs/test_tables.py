@@ -5,7 +5,7 @@ from docs.studies.pages import read_data
 
 
 def test_no_named_scene_differs_anywhere():
-    """In the tables of docs/scenes_compared.md, which says so."""
+    """In the tables of docs/how_we_know.md, which says so."""
     _, rows = read_data("scenes-summary")
     assert [row["scene"] for row in rows] == [name for name, _ in points(False)]
     for row in rows:

@@ -1,6 +1,6 @@
 """The engine against exact numbers, statics, dispersion relations, and finer grids of its own.
 
-``python -m docs.studies.accuracy.engine --output docs`` makes the tables of engine_checks.md in
+``python -m docs.studies.accuracy.engine --output docs`` makes the tables of how_we_know.md in
 some minutes; growth rates come from the dispersion relation by Newton's method, marches from `run`.
 """
 

@@ -1,4 +1,4 @@
-"""Marches against exact answers and finer marches: the tables of docs/march_error.md.
+"""Marches against exact answers and finer marches: the tables of docs/how_we_know.md.
 
 ``python -m docs.studies.accuracy.march march-accuracy --output docs`` measures slip rates by nodes,
 `march-fields` the fields in the bodies, `march-weakening` slip that weakens, and `march-error` what

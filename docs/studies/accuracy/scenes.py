@@ -1,4 +1,4 @@
-"""Named scenes by both methods: docs/scenes_compared.md, and the figures of docs/scenes.md.
+"""Named scenes by both methods: docs/how_we_know.md, and the figures of docs/scenes.md.
 
 ``python -m docs.studies.accuracy.scenes --output docs`` writes the tables;
 ``python -m docs.studies.accuracy.scenes figures`` draws docs/figures/scene_NAME.png.
@@ -54,7 +54,7 @@ QUANTITIES = {
     "lift-off-shear": f"opening 1, outer edge; {_TWO_ZONES}; frictional work, L1",
     "tap": "opening 1, inner edge; opening 1, outer edge; gap, L1",
 }
-"""Rows of the judgement of each scene that docs/scenes_compared.md shows."""
+"""Rows of the judgement of each scene that docs/how_we_know.md shows."""
 
 TOTALS = ("slip", "accumulated |slip|", "frictional work", "shear traction", "pressure")
 """Rows of the summary beside the slip rate."""
@@ -110,7 +110,7 @@ def summary(scene: str, resolution: int) -> Row:
 
 
 def quantities(scene: str, resolution: int) -> list[Row]:
-    """Return the rows that docs/scenes_compared.md shows; bars are in the unit of the values."""
+    """Return the rows that docs/how_we_know.md shows; bars are in the unit of the values."""
     found: list[Row] = []
     if scene not in QUANTITIES:
         return found

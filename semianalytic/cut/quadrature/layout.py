@@ -1,6 +1,6 @@
 """Determine which panels a set of slip zones has, and which of them interact.
 
-Panels end at zone edges, at the shear front and beside the hidden root of the Rayleigh function.
+Panels end at zone edges, at the shear front and near the hidden root of the Rayleigh function.
 Everything that follows from their order alone is computed once per layout.
 """
 

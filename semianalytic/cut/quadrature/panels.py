@@ -181,7 +181,7 @@ class Panels:
         """Return the nodes of a panel that are kept, and pieces of others, over a gap (..., 1).
 
         Nodes count from the near end. Seen from outside, 1 / (w - v) is smooth on the far half, and
-        beside the near end as far as the gap is wide: its nearest singularity lies beyond.
+        at the near end as far as the gap is wide: its nearest singularity lies beyond.
         """
         half = self._far_halves[panel]
         if half is None:
@@ -222,7 +222,7 @@ class Panels:
         unbounded = [i for i, right in enumerate(self.right) if right is None]
         if over_c < 0:
             return tuple(unbounded)
-        # Slip beside a narrow zone around c begins beyond the stick gaps on either side of that
+        # Slip near a narrow zone around c begins beyond the stick gaps on either side of that
         # zone.
         slips = 0 <= self.layout.pole < last
         near = 2 if slips and bool(np.all(self.widths[over_c] < 0.01)) else 1

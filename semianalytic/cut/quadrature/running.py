@@ -1,4 +1,4 @@
-"""Integrals along panels: of densities at their nodes, of poles, and of powers beside their ends.
+"""Integrals along panels: of densities at their nodes, of poles, and of powers near their ends.
 
 `PanelIntegral` computes slip rate from its slope, slip from slip rate, and traction along panels.
 `Power` is the part of a density that is large beside an end of a panel (docs/rate.md, "A film that
@@ -21,7 +21,7 @@ LEAST_SHARE = 1e-8
 
 @dataclass(frozen=True)
 class Power:
-    """Density with the integral amount s^exponent beside an end of a panel, exponent > -1.
+    """Density with the integral amount s^exponent near an end of a panel, exponent > -1.
 
     s is the share of the panel between the end and a point, 1 at the other end. A negative exponent
     stands for the finite part, as if the integral were 0 where s is 0. The derivative of such a
@@ -134,7 +134,7 @@ class Power:
 def split_power(
     panels: Panels, density: Array, panel: int, at_left: bool, exponent: Array
 ) -> Power:
-    """Return the power of an exponent that a density has beside an end of a panel.
+    """Return the power of an exponent that a density has near an end of a panel.
 
     It is subtracted from the density (p, ..., n) in place. Divided by the power, the density is g_0
     + g_1 s + g_2 s ln s. Three nodes determine the coefficients. The nearest of them lies where
@@ -172,7 +172,7 @@ class PanelIntegral:
     c : float
         Rayleigh slowness.
     powers : tuple of Power
-        Parts of g that are large beside ends of panels.
+        Parts of g that are large near ends of panels.
     residue : (...) array or None
         Residue of g at c where it is known; None to interpolate it between nodes, with half as
         many digits as integrals have.
@@ -207,7 +207,7 @@ class PanelIntegral:
         return result
 
     def powers_on(self, panel: int) -> list[Power]:
-        """Return the powers beside ends of a panel."""
+        """Return the powers near ends of a panel."""
         return [power for power in self.powers if power.panel == panel]
 
     @cached_property

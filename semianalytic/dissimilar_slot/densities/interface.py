@@ -48,7 +48,7 @@ class LoadedBodies:
         return self.slip_phase(sense).at(u) / np.pi
 
     def open_turn(self, sense: int, u: float) -> float:
-        """Return theta_N / pi at slowness u, N = 1 / (A + s f k D), beside slip of a sense."""
+        """Return theta_N / pi at slowness u, N = 1 / (A + s f k D), near slip of a sense."""
         # N = R_1 R_2 / (Phi R_1 R_2): both phases are of functions that are regular on the cut.
         free = sum(phase.at(u) for phase in _rayleigh_phases(self.compliance))
         return (free - _contact_phase(self.compliance, sense * self.friction).at(u)) / np.pi

@@ -2,7 +2,7 @@
 
 Zones are cut at wave fronts and where their equations change fast.  On a panel a slope q is the
 unknown phi = omega q at equidistant points of the coordinate x of its stretch, with omega a power p
-of the distance from either end.  What behaves like d^e at an end decays like exp(-(p + e) |x|).
+of the distance from either end.  A density like d^e at an end decays like exp(-(p + e) |x|).
 
 The power selects the solution: on the line Re = -p of exponents the equations have exactly one, if
 the wanted exponent e lies to its right and the next one, e - 1, to its left, p stays between 0

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +21,64 @@ from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.loads import table_bytes
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import state_bytes
-from semianalytic.engine.scenes.stepping import segments_between
-from semianalytic.engine.scenes.walk import Progress, Walk
-from semianalytic.engine.stepping.blocks import BLOCK_STEPS
+from semianalytic.engine.scenes.record import SlotRecord
+from semianalytic.engine.scenes.slot import SlotLine, spans_to, spans_until
+from semianalytic.engine.stepping.advance import Span, through
+from semianalytic.engine.stepping.blocks import EqualSteps
 from semianalytic.results.memory import check_memory, memory_limit
 
 BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""
 
 Array = NDArray[np.float64]
+Progress = Callable[[int, int], object]
+
+
+class _Walk:
+    """A march under way through spans of time, and its record, of which every n-th is stored."""
+
+    def __init__(
+        self,
+        marched: Marched,
+        spans: list[Span],
+        finest: float,
+        every: int,
+        block: int | None = None,
+    ) -> None:
+        self._spans, self.grid = spans, marched.grid
+        self.line = SlotLine(marched, finest)
+        self.blocks = EqualSteps(self.line, marched.reached, block)
+        steps = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
+        self.record = SlotRecord(marched, steps, every)
+        self._first = self.line.after(marched.end_time, spans[0].step)
+        self._jumps = marched.end_time in (marched.begins, *self.line.jumps)
+
+    def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
+        """Step on block by block, and record it, until `asked` says so; yield whether it did."""
+        stopped = False
+
+        def ends(time: float) -> bool:
+            nonlocal stopped
+            stopped = asked(time)
+            return stopped
+
+        blocks, record, first = self.blocks, self.record, self._first
+        if self._jumps:
+            blocks.jump(first)
+            record.turn(blocks)
+            record.begin(blocks, first.pressure)
+        else:
+            blocks.recall(first.pressure)
+        for _ in through(self.line, blocks, self._spans, ends):
+            if len(blocks.times) > 1:
+                record.add(blocks, stopped)
+            else:
+                record.turn(blocks)
+            yield stopped
+
+    def reached(self) -> Marched:
+        """Return the march until the state reached."""
+        return self.record.reached(self.blocks, past=self.line.memory.past())
 
 
 def advance(
@@ -63,58 +114,61 @@ def advance(
     """
     began = time.perf_counter()
     # The steps are those of a march until `latest`, wherever it stops and goes on.
-    span = marched.begins, marched.latest
-    whole = segments_between(marched.scene, *span, marched.step_ratio, marched.grid.spacing)
-    finest = min(one.time_step for one in whole)
-    parts = (one.between(marched.end_time, end_time) for one in whole)
-    segments = [one for one in parts if one.steps]
-    coarser = [segment.halved for segment in segments]
-    companion = marched.companion
+    whole = spans_until(marched)
+    finest, spans = min(span.step for span in whole), spans_to(whole, marched.end_time, end_time)
     # `every` is chosen before the first step, from all memory that the march will hold at once.
-    table = _table_bytes(marched, finest)
-    table += 0.0 if companion is None else _table_bytes(companion, 2 * finest)
-    every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
-    walk, behind = Walk(marched, segments, finest, every, progress), None
+    every = affordable_every(marched, memory, spans, finest)
+    walk, behind = _Walk(marched, spans, finest, every), None
+    steps, counted, told = walk.record.steps, 0, False
+
+    def asked(at: float) -> bool:
+        nonlocal counted, told
+        counted += 1
+        if progress is not None and not told:
+            told = progress(counted, steps) is True
+        return told and counted % 2 == 0  # where the companion has a level
+
+    departure, companion, ended = marched.departure, marched.companion, False
+    follows: Iterator[bool] = repeat(False)
     if companion is not None:
-        # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
-        behind = Walk(companion, coarser, 2 * finest, -(-every // 2), None)
-    departure = marched.departure
-    for segment, half in zip(segments, coarser, strict=True):
-        walk.begin(segment)
+        coarser = [span._replace(step=2 * span.step) for span in spans]
+        # Half of `every`, rounded up, of half the steps: levels lie at about the same times.
+        behind = _Walk(companion, coarser, 2 * finest, -(-every // 2), walk.blocks.block // 2)
+        follows = behind.steps(lambda at: ended and at >= walk.blocks.time)
+    for ended in walk.steps(asked):  # noqa: B007
+        next(follows)
         if behind is not None:
-            behind.begin(half)
-        while walk.done < segment.steps and not walk.stopped:
-            walk.advance(BLOCK_STEPS)
-            if behind is not None:
-                behind.advance(walk.done // 2 - behind.done, walk.stopped)
-                departure = _departure(departure, walk, behind)
-        walk.blocks.settle()  # a segment of another step length may follow
-        if behind is not None:
-            behind.blocks.settle()
-        if walk.stopped:
-            break
-    if companion is not None and behind is not None:
-        companion = behind.reached(0.0, 0.0)
-    marched = walk.reached(setup, time.perf_counter() - began)
-    return replace(marched, companion=companion, departure=departure)
+            departure = _departure(departure, walk, behind)
+    if behind is not None:
+        companion = behind.reached()
+    seconds = {"setup": setup, "steps": time.perf_counter() - began}
+    taken = {name: more + seconds[name] for name, more in marched.statistics.seconds.items()}
+    marched = walk.reached()
+    statistics = replace(marched.statistics, seconds=taken)
+    return replace(marched, companion=companion, departure=departure, statistics=statistics)
 
 
-def _departure(before: Departure, walk: Walk, behind: Walk) -> Departure:
+def _departure(before: Departure, walk: _Walk, behind: _Walk) -> Departure:
     """Return a departure with the last block of a march and its companion, by the trapezoidal rule.
 
     Companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march.
     """
-    slot, own = walk.grid.slot, behind.grid.observe(behind.blocks.levels[0])
-    contact = walk.blocks.levels[0][::2, slot : slot + 2 * behind.grid.observed]
+    coarse, slot = behind.grid, walk.grid.slot
+    own = coarse.observe(behind.blocks.levels[0])
+    contact = walk.blocks.levels[0][::2, slot : slot + 2 * coarse.observed]
     rates = (contact[:, ::2] + contact[:, 1::2]) / 2
-    cell = behind.grid.spacing * behind.time_step
+    times = behind.blocks.times
     return Departure(
-        before.difference + cell * float(np.trapezoid(np.abs(rates - own).sum(axis=1))),
-        before.slip_rate + cell * float(np.trapezoid(np.abs(rates).sum(axis=1))),
+        *(
+            value + coarse.spacing * float(np.trapezoid(np.abs(field).sum(axis=1), times))
+            for value, field in ((before.difference, rates - own), (before.slip_rate, rates))
+        )
     )
 
 
-def affordable_every(marched: Marched, memory: float | None, steps: int, table: float) -> int:
+def affordable_every(
+    marched: Marched, memory: float | None, spans: list[Span], finest: float
+) -> int:
     """Return `every`, raised until the stored levels fit into the memory.
 
     Parameters
@@ -123,10 +177,10 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
         The march to be continued; its companion is counted too.
     memory : float or None
         Memory that the march may take [bytes].
-    steps : int
-        Steps that are to come.
-    table : float
-        Size of the pressure tables [bytes].
+    spans : list of Span
+        The steps that are to come.
+    finest : float
+        Shortest step of the whole march [time].
 
     Raises
     ------
@@ -134,6 +188,8 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
         If the march does not fit even without storing anything.
     """
     both = [one for one in (marched, marched.companion) if one is not None]
+    steps = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
+    table = sum(_table_bytes(one, at * finest) for at, one in enumerate(both, 1))
     state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
     per_level = sum(one.grid.observed * BYTES_STORED for one in both)
     earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)

@@ -8,26 +8,33 @@ it is evaluated (`GridPressure`), under a front that moves it is marched (`Front
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.means import damped
+from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.nodes import ContactGrid
+from semianalytic.engine.stepping.advance import Span, through
+from semianalytic.engine.stepping.balance import Balance
+from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
+from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.memory.cosines import cosines, from_cosines
-from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.exponentials import fit_memory
+from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
-from semianalytic.scene.loads import LoadHistory, Pieces
+from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.laws.coulomb import Coulomb
+from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
 
 SWEEPS = 2
 """Iterations of a step, even: with 1 or 3 marches grow; 4 change slip rates by up to 4e-5."""
+TOLERANCES = (1e-11, 1e-2)
+"""Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
 EXACT_KINKS = 4
 """Kinks treated exactly: 4 take 2.6 s, 8 take 6.4 s (1,500 nodes), a table of any number 3 s."""
 TABLE_SAMPLES = 2
@@ -100,19 +107,20 @@ class GridPressure:
             self._interval = end_time / self._rows
             self._table = self._response_table(count)
 
-    def __call__(self, t: float) -> Array:
-        """Return the pressure at time t, (n,) [stress], positive in compression."""
-        return next(self.over(np.array([t])))
+    def after(self, time: float) -> Array:
+        """Return the pressure at a time (n,), after a jump there [stress]."""
+        (pressure,) = self._block(np.array([time]))
+        if not self._arriving:
+            return pressure
+        return pressure + self._load * float(self._history.value(math.nextafter(time, math.inf)))
 
-    def over(self, times: Array) -> Iterator[Array]:
-        """Yield the pressure at one time after the other, (n,) each [stress]."""
+    def over(self, ends: Array, steps: Sequence[float]) -> Iterator[Array]:
+        """Yield the pressure at the ends of steps, (n,) each [stress], before a jump there."""
         rows = max(1, (1 << 16) // len(self._x))  # pressures that stay in the cache
-        arrived = self._load * self._history.value(times)
-        # after a jump at the first time
-        arrived[0] = self._load * self._history.value(math.nextafter(times[0], math.inf))
-        for first in range(0, len(times), rows):
+        arrived = self._load * self._history.value(ends)
+        for first in range(0, len(ends), rows):
             part = slice(first, first + rows)
-            for pressure, more in zip(self._block(times[part]), arrived[part], strict=True):
+            for pressure, more in zip(self._block(ends[part]), arrived[part], strict=True):
                 yield pressure + more if self._arriving else pressure
 
     def _block(self, times: Array) -> Iterator[Array]:
@@ -187,137 +195,95 @@ class GridPressure:
         return kinks
 
 
-@dataclass(frozen=True)
-class GridFront:
-    """A load whose front moves along the interface, at all nodes of a grid.
+Front = Callable[[Literal["pressure", "shear"], float, float], tuple[Any, Any]]
+"""The traction of the uncut interface, and that which slot faces keep, under a front that moves.
 
-    The front is smeared over a cell, or over the distance that it runs in a step if that is longer:
-    a node takes the mean of the history over the time in which the front crosses that distance.
-    Then each node receives the whole of the load, whatever the step.
+Both are asked for by name, time and step [time], and given at all nodes (size,) and at those of the
+slot (slot,) [stress], or as numbers.
+"""
 
-    Attributes
-    ----------
-    scene : Scene
-        Its load is an `IncidentWave` or a `MovingLoad`.
-    x : (size,) array
-        Positions of all nodes, slot included [length].
-    spacing : float
-        Node distance [length].
-    slot : int
-        Number of nodes on the slot.
-    entry : float
-        Distance from the tip at which a load that comes along the slot begins [length].
+
+def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
+    """Return the load of a scene whose front moves over the nodes, from where it begins on.
+
+    Each node receives the whole of the load, whatever the step (`ActingFront`).  A load that comes
+    along the slot begins at the distance `entry` from the tip [length].
     """
+    assert isinstance(scene.load, IncidentWave | MovingLoad)
+    x, loaded = grid.nodes, np.ones(grid.size)
+    if scene.front_slowness > 0:
+        # the part of the cell of each node that the load reaches
+        loaded = np.clip((x + entry) / grid.spacing + 0.5, 0.0, 1.0)
+    fronts = {
+        name: ActingFront(scene.load, history, material=scene.material)
+        for name, history in scene.acting_histories.items()
+    }
 
-    scene: Scene
-    x: Array
-    spacing: float
-    slot: int
-    entry: float
+    def tractions(name: Literal["pressure", "shear"], t: float, step: float) -> tuple[Any, Any]:
+        base = getattr(scene.base, name)
+        if name not in fronts:
+            return base, base
+        load = loaded * fronts[name].traction(x, t, of=name, spread=(grid.spacing, step))
+        return (base + load, base) if scene.arrives else (base, base - load[: grid.slot])
 
-    @cached_property
-    def _loaded(self) -> Array:
-        """The part of the cell of each node that the load reaches, (size,)."""
-        if self.scene.front_slowness < 0:
-            return np.ones(len(self.x))
-        return np.clip((self.x + self.entry) / self.spacing + 0.5, 0.0, 1.0)
-
-    def tractions(
-        self, name: Literal["pressure", "shear"], t: float, step: float
-    ) -> tuple[float | Array, float | Array]:
-        """Return a traction of the uncut interface, and that which the slot faces keep [stress].
-
-        Parameters
-        ----------
-        name : str
-            "pressure" or "shear".
-        t, step : float
-            Time, and the length of the time steps [time].
-
-        Returns
-        -------
-        (size,) array or float, (slot,) array or float
-            An incident wave changes the first, a moving load the second.
-        """
-        base, scene = getattr(self.scene.before_load, name), self.scene
-        history: LoadHistory = getattr(scene, f"{name}_history")
-        slowness = scene.front_slowness
-        lag, half = t - slowness * self.x, max(abs(slowness) * self.spacing, step) / 2
-        load = getattr(scene.superposition.taken_off, name) * self._loaded
-        load = load * history.mean(lag - half, lag + half)
-        return (base + load, base) if scene.arrives else (base, base - load[: self.slot])
+    return tractions
 
 
-class FrontPressure:
+class FrontPressure(ClosedLine):
     """The contact pressure at grid nodes under a front that moves, marched as shear is.
 
-    The contact stays closed and the slot faces keep their pressure, so that what would open the
-    slot is known at once.  The grid sees the edge of this problem as it sees that of shear.
+    The contact stays closed, as one that friction holds, and the slot faces keep their pressure.
+    The grid sees the edge of this problem as it sees that of shear.
 
     Parameters
     ----------
-    front : GridFront
+    marched : Marched
+        Scene, nodes and memory, and the time from which pressures are asked for.
+    front : Front
         The load at the nodes.
-    memory : Memory
-        That of an opening rate, `exponentials.Opening`.
-    wavenumbers : (size,) array
-        Those of the cosines of the grid [1 / length].
-    damping : float
-        Least feedback of the shortest wave.
-    start, step : float
-        Time at which the load begins, and the largest time step before the first time of `over`
-        [time].
+    step : float
+        Largest time step before that time [time].
     """
 
-    def __init__(
-        self,
-        front: GridFront,
-        memory: Memory,
-        wavenumbers: Array,
-        damping: float,
-        start: float,
-        step: float,
-    ) -> None:
-        material, size = front.scene.material, len(wavenumbers)
-        self.spacing = front.spacing
-        self._front, self._damping, self._wavenumbers = front, damping, wavenumbers
-        self._impedance = material.density * material.longitudinal_speed / 2
-        self._speed = material.shear_speed
-        self._time, self._step = start, step
-        self._memory, self._transform = LineMemory(memory, wavenumbers), np.zeros((1, size))
-        self._pressure = self._level(start, step, np.zeros(size), np.zeros(size), 1)
+    sweeps, jumps = SWEEPS, ()
 
-    def over(self, times: Array) -> Iterator[Array]:
-        """Yield the pressure at evenly spaced times, (contact,) each [stress].
-
-        They go on from those before; times between are stepped through.
-        """
-        if self._time < times[0]:
-            steps = math.ceil((times[0] - self._time) / self._step)
-            for _ in self._steps(np.linspace(self._time, times[0], steps + 1)):
+    def __init__(self, marched: Marched, front: Front, step: float) -> None:
+        material, nodes, memory = marched.scene.material, marched.grid, marched.memory
+        self.grid, self.kept, self.damping = nodes.line, nodes.contact, marched.damping
+        self.speed = material.shear_speed
+        self.impedance = material.density * material.longitudinal_speed / 2
+        self.law, self._front = Coulomb(0.0, cohesion=1e60), front
+        touching = np.arange(nodes.size) >= nodes.slot
+        self.balance = Balance(self.law, self.impedance, touching, self.grid)
+        opening = Opening(material.shear_speed / material.longitudinal_speed)
+        # as accurate as the memory of shear
+        tolerance = min(max(memory.error, 2 * TOLERANCES[0]), TOLERANCES[1])
+        kernel = fit_memory(opening, memory.horizon, tolerance)
+        self.memory = LineMemory(kernel, self.grid.wavenumbers)
+        self._none = none = np.zeros(nodes.size - nodes.slot)
+        begun = Reached(marched.begins, np.zeros(nodes.size), none, none, none, none)
+        self._blocks = EqualSteps(self, begun)
+        self._blocks.jump(self.after(marched.begins, step))
+        if marched.reached.time > marched.begins:
+            until = [Span(marched.begins, marched.reached.time, step)]
+            for _ in through(self, self._blocks, until, lambda time: False):
                 pass
-        yield from self._steps(times)
 
-    def _steps(self, times: Array) -> Iterator[Array]:
-        """Yield the pressure at the time reached, and at one level after the other."""
-        step = (times[-1] - times[0]) / (len(times) - 1)
-        self._memory.settle(self._transform)
-        length = self._speed * step
-        feedback = damped(self._memory.table(length).feedback[0], self._wavenumbers, self._damping)
-        yield self._pressure
-        for t in times[1:].tolist():
-            past = self._memory.advance(self._transform, length)[0, 0]
-            self._pressure = self._level(t, step, past, feedback, SWEEPS)
-            self._time = t
-            yield self._pressure
+    def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
+        """Yield the ends of steps (`ClosedLine.levels`), without friction's pressure."""
+        return map(self.after, ends, steps)
 
-    def _level(self, t: float, step: float, past: Array, feedback: Array, sweeps: int) -> Array:
-        """Return the pressure at a level, (contact,), and note the opening rate of the slot."""
-        slot, rate, whole = self._front.slot, np.zeros(len(past)), np.empty(len(past))
-        uncut, kept = self._front.tractions("pressure", t, step)
-        for _ in range(sweeps):
-            from_cosines(past + feedback * self._transform[0], whole)
-            closed = uncut - self._impedance * whole
-            rate[:slot] = (closed[:slot] - kept) / self._impedance
-            cosines(rate, self._transform[0])
-        return np.asarray(closed[slot:])
+    def after(self, time: float, step: float) -> Level:
+        """Return a level of the load, which jumps at each node in turn."""
+        return Level(time, step, *self._front("pressure", time, step), self._none)
+
+    def now(self) -> Array:
+        """Return the pressure at the time reached, (contact,) [stress]."""
+        return self._blocks.reached.traction
+
+    def over(self, ends: Array, steps: Sequence[float]) -> Iterator[Array]:
+        """Yield the pressure at the ends of steps, which go on from those before."""
+        levels = self.levels(ends.tolist(), list(steps))
+        while self._blocks.time < ends[-1]:
+            self._blocks.advance(levels, lambda time: False)
+            yield from self._blocks.levels[1][1:].copy()

@@ -1,33 +1,129 @@
-"""A run from one stop to the next: in equal steps where the law allows, or one by one."""
+"""A march from one stop to the next: in blocks of equal steps where the law allows, or one by one.
+
+Both kinds of march, along a line and beside a slot, go through the same spans of time: each ends at
+a jump of the loads, or where the march does.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import islice, pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.stepping.blocks import BLOCK_STEPS, EqualSteps, Level, Reached
+from semianalytic.engine.stepping.blocks import (
+    BLOCK_STEPS,
+    ClosedLine,
+    EqualSteps,
+    Level,
+    Reached,
+)
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.steps import Stepper
 
 Array = NDArray[np.float64]
 
-CUT = 1 + 1e-9
+CUT = 1e-9
 """Steps that almost reach a stop, by so much of their length, are stretched to it: no sliver is
 left."""
 
 
-def advanced(
+class Span(NamedTuple):
+    """A time between stops, in steps of one length, of which the last is cut, (3,) [time].
+
+    Levels are counted from its begin: a march that goes on has the same ones to the last bit.
+    """
+
+    begin: float
+    stop: float
+    step: float
+
+    def level(self, time: float) -> int:
+        """Return the number of the level at a time."""
+        return round((time - self.begin) / self.step)
+
+    def steps(self, time: float) -> int:
+        """Return how many steps lead from a level, given by its time, to the stop."""
+        return math.ceil((self.stop - self.begin) / self.step - CUT) - self.level(time)
+
+
+class Taken(NamedTuple):
+    """Steps of a march: times of k levels and the one before, slip rates, and states by place."""
+
+    times: Sequence[float]
+    rates: Array
+    look: Callable[[int], State]
+
+
+def through(
+    line: ClosedLine,
+    blocks: EqualSteps,
+    spans: Sequence[Span],
+    asked: Callable[[float], bool],
+    keep: Callable[[], None] | None = None,
+) -> Iterator[None]:
+    """Step through spans of time block by block, and yield after each, and after each jump.
+
+    Parameters
+    ----------
+    line : ClosedLine
+        The line that is marched.
+    blocks : EqualSteps
+        Its march, which has the levels of the last block.
+    spans : sequence of Span
+        Spans to come.
+    asked : function of time
+        Called after each step; the march ends there if it returns True.
+    keep : function, optional
+        Called before the last step of all, which is cut to end at a stop.
+    """
+    for number, span in enumerate(spans):
+        if number and blocks.time in line.jumps:
+            blocks.jump(line.after(blocks.time, span.step))
+            yield
+        levels = _levels(line, blocks.time, span)
+        left, last = span.steps(blocks.time), number == len(spans) - 1 and keep is not None
+        while left > last:
+            stopped = blocks.advance(islice(levels, left - last), asked)
+            left -= len(blocks.times) - 1
+            yield
+            if stopped:
+                return
+        if last:
+            assert keep is not None
+            keep()
+            blocks.advance(levels, asked)
+            yield
+
+
+def _levels(line: ClosedLine, time: float, span: Span) -> Iterator[Level]:
+    """Yield the ends of the steps of a span from a time on."""
+    now = span.level(time)
+    last = now + span.steps(time)
+    while now < last:
+        count = min(BLOCK_STEPS, last - now)
+        ends = (span.begin + span.step * np.arange(now + 1, now + count + 1)).tolist()
+        steps, now = [span.step] * count, now + count
+        if now == last:
+            rest = span.stop - (span.begin + span.step * (last - 1))
+            # a step of another length costs a table of the memory
+            steps[-1] = span.step if abs(rest - span.step) < CUT * span.step else rest
+            ends[-1] = span.stop
+        yield from line.levels(ends, steps)
+
+
+def stepped(
     stepper: Stepper,
     now: State,
-    stop: float,
-    add: Callable[[Sequence[float], Array, Callable[[int], State]], None],
+    stops: Sequence[float],
     asked: Callable[[float], bool],
-    keep: Callable[[State], None] | None = None,
-) -> tuple[State, bool]:
-    """Return the state at a time to stop at, and whether the run was stopped before.
+    keep: Callable[[State], None],
+) -> Iterator[Taken]:
+    """Yield the steps of a run through times to stop at, with `asked` and `keep` as of `through`.
 
     Parameters
     ----------
@@ -35,25 +131,15 @@ def advanced(
         The interface on its grid.
     now : State
         Where to start from.
-    stop : float
-        Time to stop at [time].
-    add : function
-        Takes what `Record.add` takes, after one step or several.
-    asked : function of time
-        Called after each step; the run ends there if it returns True.
-    keep : function, optional
-        Called with the state before a step that may be the last, and is then cut to end at `stop`.
+    stops : sequence of float
+        Times of jumps to come, and the end [time].
     """
-    stopped = False
     if stepper.ladder.climbs:
-        while now.time < stop and not stopped:
-            if keep is not None and stop - now.time <= stepper.ladder.length(now.rung + 1):
-                keep(now)
-            before, now = now, stepper.advance(now, stop)
-            stopped, both = asked(now.time), [before, now]
-            add([one.time for one in both], np.array([one.rate for one in both]), both.__getitem__)
-        return now, stopped
-    blocks = _blocks(stepper, now)
+        yield from _one_by_one(stepper, now, stops, asked, keep)
+        return
+    fields = now.rate, now.traction, now.slip, now.state, now.work[stepper.touching]
+    blocks = EqualSteps(stepper, Reached(now.time, *fields))
+    blocks.recall(stepper.pressure)
 
     def look(level: int) -> State:
         """Return the state at a level of the last block."""
@@ -61,47 +147,31 @@ def advanced(
         work[stepper.touching] = at.work
         return replace(now, **vars(at) | {"work": work}, rung=0, pace=0.0)
 
-    for whole in (True, False):
-        levels = _levels(stepper, blocks.time, stop, whole)
-        least = stepper.shortest * CUT if whole else 0.0
-        while stop - blocks.time > least and not stopped:
-            stopped = blocks.advance(levels, asked)
-            add(blocks.times, blocks.levels[0], look)
-        if whole and keep is not None and not stopped:
-            keep(look(len(blocks.times) - 1))
-    return look(len(blocks.times) - 1), stopped
+    begin = max((at for at in stepper.jumps if at <= now.time), default=0.0)
+    spans = [Span(*span, stepper.shortest) for span in pairwise([max(begin, 0.0), *stops])]
+    for _ in through(stepper, blocks, spans, asked, lambda: keep(look(len(blocks.times) - 1))):
+        if len(blocks.times) > 1:
+            yield Taken(blocks.times, blocks.levels[0], look)
 
 
-def _blocks(stepper: Stepper, now: State) -> EqualSteps:
-    """Return the march in equal steps from a state on."""
-    fields = now.rate, now.traction, now.slip, now.state, now.work[stepper.touching]
-    blocks = EqualSteps(
-        stepper.grid,
-        stepper.balance,
-        stepper.law,
-        stepper.memory,
-        Reached(now.time, *fields),
-        kept=slice(None),
-        impedance=stepper.impedance,
-        speed=stepper.speed,
-        sweeps=stepper.sweeps,
-        plate_rate=stepper.scene.plate_rate,
-    )
-    blocks.recall(stepper.pressure)
-    return blocks
-
-
-def _levels(stepper: Stepper, time: float, stop: float, whole: bool) -> Iterator[Level]:
-    """Yield the ends of the shortest steps until a time to stop at [time], or of the `whole` ones
-    before the last."""
-    shortest = stepper.shortest
-    least = shortest * CUT if whole else 0.0
-    while stop - time > least:
-        ends, steps = list[float](), list[float]()
-        while len(ends) < BLOCK_STEPS and stop - time > least:
-            last = stop - time <= shortest * CUT
-            steps.append(stop - time if last else shortest)
-            time = stop if last else time + shortest
-            ends.append(time)
-        for end, step, loads in zip(ends, steps, stepper.loads.over(ends), strict=True):
-            yield Level(end, step, *loads, stepper.pressure)
+def _one_by_one(
+    stepper: Stepper,
+    now: State,
+    stops: Sequence[float],
+    asked: Callable[[float], bool],
+    keep: Callable[[State], None],
+) -> Iterator[Taken]:
+    """Yield the steps of a run one by one, each as long as friction and convergence allow."""
+    for stop in stops:
+        if stop is not stops[0]:
+            now = stepper.jump(now)
+        while now.time < stop:
+            if stop == stops[-1] and stop - now.time <= stepper.ladder.length(now.rung + 1):
+                keep(now)
+            both = [now, stepper.advance(now, stop)]
+            now = both[1]
+            stopped = asked(now.time)
+            times, rates = [one.time for one in both], np.array([one.rate for one in both])
+            yield Taken(times, rates, both.__getitem__)
+            if stopped:
+                return

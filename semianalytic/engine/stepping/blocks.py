@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,13 +69,10 @@ class Reached:
     work: Array
 
 
-class EqualSteps:
-    """The march of a closed contact in equal steps, under a law that sticks.
+class ClosedLine(Protocol):
+    """A line whose contact stays closed, under laws that stick, as `EqualSteps` steps it.
 
-    Slip rate is linear in time over a step; the contribution of its end value to the memory is
-    iterated in sweeps (docs/engine.md, "Method").
-
-    Parameters
+    Attributes
     ----------
     grid : Grid
         Nodes.
@@ -85,21 +82,57 @@ class EqualSteps:
         Friction, drawn on the nodes of the contact.
     memory : LineMemory
         Memory of past slip.
-    reached : Reached
-        Where the steps start from.
-    kept : slice or (n,) array of bool
-        Nodes whose traction and slip are wanted; those of the contact at least.
     impedance, speed : float
         Traction per slip rate [stress time / length]; speed of shear waves, in whose paths the
         memory counts [length / time].
     sweeps : int
         Iterations of a step, even: with 1 or 3 marches grow; 4 change slip rates by up to 4e-5.
+    jumps : sequence of float
+        Times at which loads jump [time].
+    kept : slice or (n,) array of bool
+        Nodes whose traction and slip are wanted; those of the contact at least.
     damping : float
         Least feedback of the shortest wave; 0 damps nothing.
     means_last : bool
         Whether only the last sweep takes means over cells (`area_means`).
     plate_rate : float
         Slip rate of the bodies far away [length / time].
+    """
+
+    grid: Grid
+    balance: Balance
+    law: Law
+    memory: LineMemory
+    impedance: float
+    speed: float
+    sweeps: int
+    jumps: Sequence[float]
+    kept: slice | NDArray[np.bool_] = slice(None)
+    damping: float = 0.0
+    means_last: bool = False
+    plate_rate: float = 0.0
+
+    def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
+        """Yield the ends of steps of these lengths, which follow on those before [time]."""
+
+    def after(self, time: float, step: float) -> Level:
+        """Return a level just after loads have jumped, before steps of a length [time]."""
+
+
+class EqualSteps:
+    """The march of a closed contact in equal steps, under a law that sticks.
+
+    Slip rate is linear in time over a step; the contribution of its end value to the memory is
+    iterated in sweeps (docs/engine.md, "Method").
+
+    Parameters
+    ----------
+    line : ClosedLine
+        Nodes, friction, loads and memory.
+    reached : Reached
+        Where the steps start from.
+    block : int, optional
+        Steps whose sums are made at once; as many as stay in the cache by default.
 
     Attributes
     ----------
@@ -111,41 +144,27 @@ class EqualSteps:
         Pressures of its levels, k of (contact,) [stress].
     """
 
-    def __init__(
-        self,
-        grid: Grid,
-        balance: Balance,
-        law: Law,
-        memory: LineMemory,
-        reached: Reached,
-        *,
-        kept: slice | NDArray[np.bool_],
-        impedance: float,
-        speed: float,
-        sweeps: int = 2,
-        damping: float = 0.0,
-        means_last: bool = False,
-        plate_rate: float = 0.0,
-    ) -> None:
-        self._grid, self._balance, self._law, self._memory = grid, balance, law, memory
-        self._kept, self._impedance, self._speed = kept, impedance, speed
-        self._sweeps, self._damping, self._means_last = sweeps, damping, means_last
-        self._plate = plate_rate
-        self._follows = law.follows_state
+    def __init__(self, line: ClosedLine, reached: Reached, block: int | None = None) -> None:
+        self._grid, self._balance, self._law = line.grid, line.balance, line.law
+        self._memory, self._kept, self._impedance = line.memory, line.kept, line.impedance
+        self._speed, self._sweeps, self._damping = line.speed, line.sweeps, line.damping
+        self._means_last, self._plate = line.means_last, line.plate_rate
+        self._follows = self._law.follows_state
         # Slip rates whose fields stay in the cache: with half a march takes 1.1 times as long.
         size = len(reached.rate)
         # An even number: a march on half the nodes takes half as many steps.
-        self._block = 2 * max(1, min(BLOCK_STEPS, (1 << 15) // size) // 2)
+        self.block = block or 2 * max(1, min(BLOCK_STEPS, (1 << 15) // size) // 2)
         # the levels of a block, of which the first is the one before it
         values = reached.rate, reached.traction, reached.slip, reached.state, reached.work
-        self._fields = [np.empty((self._block + 1, len(value))) for value in values]
+        self._fields = [np.empty((self.block + 1, len(value))) for value in values]
         for field, value in zip(self._fields, values, strict=True):
             field[0] = value
         self._rates, self._tractions, self._slips, self._states, self._works = self._fields
         self._powers = np.zeros_like(self._works)
         self._last, self.times, self.pressures = 0, [reached.time], list[Array]()
-        self._transform = self._amplitudes(self._rates[0], np.empty((grid.rows, memory.size)))
-        self._stopping, self._step, self._feedback = np.empty(size), 0.0, np.zeros(memory.size)
+        shape = self._grid.rows, self._memory.size
+        self._transform = self._amplitudes(self._rates[0], np.empty(shape))
+        self._stopping, self._step, self._feedback = np.empty(size), 0.0, np.zeros(shape[1])
 
     @property
     def time(self) -> float:
@@ -169,10 +188,6 @@ class EqualSteps:
         """
         return tuple(field[: self._last + 1] for field in self._fields)
 
-    def settle(self) -> None:
-        """Complete the memory, so that steps of another march can begin from it."""
-        self._memory.settle(self._transform)
-
     def recall(self, pressure: Array) -> None:
         """Go on from a level of an earlier march, with its pressure (contact,)."""
         self._turn_over()
@@ -192,19 +207,17 @@ class EqualSteps:
         rate, state, balance = self._rates[0], self._states[0], self._balance
         balance.forget()
         balance.turn()
+        self._memory.settle(self._transform)  # with which it no longer depends on the newest rate
         held = self._memory.convolution(self._transform)[0]
         self._stop(held * -self._impedance, level)
         balance.closed(self._stopping, level.on_slot, state, level.pressure, rate)
         self._tractions[0] = (self._stopping - self._impedance * rate)[self._kept]
         self._powers[0] = self._power(rate[balance.on], state, level.pressure)
-        before = self._transform.copy()
         self._amplitudes(rate, self._transform)
-        self._memory.exchange(self._transform - before)
+        self.times = [level.time]
 
-    def advance(
-        self, levels: Iterable[Level], stopping: Callable[[float], bool], most: int = BLOCK_STEPS
-    ) -> bool:
-        """Take a block of up to so many steps; return whether it was stopped.
+    def advance(self, levels: Iterable[Level], stopping: Callable[[float], bool]) -> bool:
+        """Take a block of steps; return whether it was stopped.
 
         Parameters
         ----------
@@ -212,8 +225,6 @@ class EqualSteps:
             The ends of the steps to come.
         stopping : function of time
             Called after each step; the block ends where it returns True.
-        most : int
-            Largest number of steps.
 
         Raises
         ------
@@ -229,7 +240,7 @@ class EqualSteps:
             self.pressures.append(level.pressure)
             steps.append(level.step)
             stopped = stopping(level.time)
-            if stopped or self._last == min(most, self._block):
+            if stopped or self._last == self.block:
                 break
         self._sum_up(np.array(steps)[:, None] / 2)
         return stopped

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
 from semianalytic.engine.stepping.balance import Balance, freed_rate
+from semianalytic.engine.stepping.blocks import ClosedLine, Level
 from semianalytic.engine.stepping.fronts import acting_loads
 from semianalytic.engine.stepping.ladder import Ladder
 from semianalytic.engine.stepping.line import grid_of, memories
@@ -31,7 +33,7 @@ from semianalytic.scene.scene import Scene
 Array = NDArray[np.float64]
 
 
-class Stepper:
+class Stepper(ClosedLine):
     """An interface on a grid, and the time stepping of its fields.
 
     Parameters
@@ -65,7 +67,8 @@ class Stepper:
     ) -> None:
         material, contact = scene.material, scene.contact
         held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
-        self.scene, self.sweeps = scene, sweeps
+        self.scene, self.sweeps, self.plate_rate = scene, sweeps, scene.plate_rate
+        self.jumps = scene.jumps
         self.grid = grid_of(scene, nodes, shift, held)
         x = self.grid.x
         self.touching = contact.touches(x)
@@ -186,6 +189,16 @@ class Stepper:
         self.memory.exchange(self._amplitudes(rate - now.rate))
         return replace(now, **vars(faces) | {"rate": rate, "traction": traction, "felt": felt})
 
+    def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
+        """Yield the ends of steps (`ClosedLine.levels`)."""
+        for end, step, loads in zip(ends, steps, self.loads.over(ends), strict=True):
+            yield Level(end, step, *loads, self.pressure)
+
+    def after(self, time: float, step: float) -> Level:
+        """Return a level just after loads have jumped (`ClosedLine.after`)."""
+        line, slot = self.loads(time, after=True)
+        return Level(time, step, line, slot[~self.touching], self.pressure)
+
     def length(self, now: State) -> tuple[float, int]:
         """Return length and rung of the step that may follow a state [time]."""
 
@@ -263,7 +276,7 @@ class Stepper:
             state, felt = self._evolved(now, mean, length, faces)
             rate, traction = self.balance(stopping, slot, state, felt, self._open(faces))
             if solved:
-                plate, load = self.scene.plate_rate, (line - slot) / self.impedance
+                plate, load = self.plate_rate, (line - slot) / self.impedance
                 moved = rate - plate
                 own = past[0], feedback[0]
                 rate = plate + freed_rate(self.grid, self.touching, moved, load, *own)
@@ -330,10 +343,9 @@ class Stepper:
         """Return the amplitudes of a slip rate (rows, m), which must not be changed."""
         # a step begins with the slip rate with which the one before has ended
         if self._latest[0] is not rate:
-            self._latest = rate, self.grid.amplitudes(rate - self.scene.plate_rate)
+            self._latest = rate, self.grid.amplitudes(rate - self.plate_rate)
         return self._latest[1]
 
     def _stopping(self, line: Array, convolution: Array) -> Array:
         """Return the traction of nodes that do not move, given the convolution over the past."""
-        plate = self.scene.plate_rate
-        return line - self.impedance * (self.grid.values(convolution) - plate)
+        return line - self.impedance * (self.grid.values(convolution) - self.plate_rate)

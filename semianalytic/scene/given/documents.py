@@ -38,7 +38,7 @@ _RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 _TAKEN = ("friction", "viscosity", "angle", *_LINE, *MATERIAL)
 """Names of parameters that named numbers cannot have."""
 _POINTS, _TIMES = 257, 9
-"""Positions and times at which functions are sampled to tell one scene from another."""
+"""Positions and times at which functions are sampled to distinguish scenes."""
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:
@@ -46,7 +46,7 @@ def scene_document(scene: Scene) -> dict[str, Any]:
 
     Histories and friction laws are named by `kind`; the coefficient at rest of a law stands outside
     its table.  Defaults are left out, so that files stay short.  Functions of Python, which no file
-    can hold, are told apart by their values at some positions and times.
+    can contain, are distinguished by their values at some positions and times.
     """
     write, law = _Writing(scene), scene.law
     own = coefficient_field(type(law))
@@ -256,7 +256,7 @@ class _Reading:
             return value
         if isinstance(value, str):
             return self.expression(value, "x")
-        # The keys alone tell a table of numbers from one in a file.
+        # The keys alone distinguish a table of numbers from one in a file.
         if isinstance(value, dict) and set(value) == {"x", "values"}:
             return Table(value["x"], value["values"])
         if isinstance(value, dict) and "file" in value and set(value) <= {"file", "column"}:

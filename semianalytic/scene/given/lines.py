@@ -166,6 +166,36 @@ step_ratio = 0.35
 every = 20
 """
     + _CRUST,
+    "tpv103": """
+summary = "SCEC TPV103 in two dimensions, as UGUCA ran it: friction that falls at high slip rates"
+units = "SI"
+contact = "whole line"
+period = 72e3
+rate = 1e-16
+even = true
+base = {pressure = 120e6, shear = 40e6}
+[friction_law]
+kind = "rate-and-state"
+a = "0.01 + 0.005 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"
+b = 0.014
+f0 = 0.6
+v0 = 1e-6
+distance = 0.4
+evolution = "slip"
+weakened = 0.2
+weakening_rate = '''
+0.1
++ 0.45 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))'''
+[load]
+shear = "45e6 * exp(x**2 / min(x**2 - 9e6, -1e-3))"
+history = "exp((min(t, 1) - 1)**2 / min(min(t, 1) * (min(t, 1) - 2), -1e-12))"
+[run]
+end_time = 12.0
+nodes = 1440
+step_ratio = 0.35
+every = 20
+"""
+    + _CRUST,
     "tpv205": '''
 summary = "SCEC TPV205 in two dimensions: slip weakening with patches of high and low shear"
 units = "SI"

@@ -47,7 +47,7 @@ def with_tables(path: str | Path, document: Mapping[str, Any]) -> dict[str, Any]
         given = result.get(part)
         if not isinstance(given, Mapping) or FILE not in given:
             continue
-        # Numbers beside a file would leave open which of them count.
+        # Numbers with a file would leave open which of them count.
         if given.get("kind") != "tabulated" or len(given) > 2:
             raise SceneError(
                 f'{part}: {FILE} goes with kind = "tabulated" alone, in place of t and value_at_t.'

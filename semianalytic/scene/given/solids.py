@@ -21,7 +21,7 @@ class Solid:
     material : Material
         Its numbers, in SI units.
     source : str
-        What they were measured on, and where they are printed.
+        Specimen on which they were measured, and the source in print.
     """
 
     material: Material

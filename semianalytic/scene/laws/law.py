@@ -233,7 +233,7 @@ class Law(Alike, ABC):
     def on(self, x: Any, spacing: float = 0.0) -> Self:
         """Return the law with all its fields as arrays on positions x (n,).
 
-        With a node distance, nodes beside a jump of a field take its mean; see `sampling.sampled`.
+        With a node distance, nodes near a jump of a field take its mean; see `sampling.sampled`.
         """
         x = np.asarray(x, dtype=float)
         owner = type(self).__name__

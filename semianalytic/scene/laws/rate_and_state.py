@@ -170,8 +170,8 @@ class RateAndState(DelayedLaw):
         carried = np.abs(shear) / pressure
         if not ((carried > 0) & (speed > 0)).all() or np.any(np.asarray(self.b) == 0):
             raise SceneError(
-                "RateAndState: give `theta`, or a base shear, a slip rate at the start (`rate`) "
-                "and a `b` that are not zero."
+                "RateAndState: give `theta`, or a base shear and a `b` that are not zero and the "
+                "`rate` of the scene, at which it slips at the start."
             )
         state = np.exp(self._theta(carried, speed))
         if not (np.isfinite(state) & (state > 0)).all():

@@ -81,7 +81,7 @@ def widened(field: Any, by: float) -> Any:
 def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
     """Return a function of x and t at nodes (n,) and a time, with means where it jumps.
 
-    Its cells are looked at only where two neighbours differ by more than all others beside them,
+    Its cells are looked at only where two neighbours differ by more than all others near them,
     as they do at a jump; a smooth function costs no more than its values at nodes.
     """
     values = np.broadcast_to(np.asarray(field(x, t), dtype=float), x.shape)
@@ -118,6 +118,6 @@ def _across(field: Any, x: Array, spacing: float, count: int) -> Array:
     """Return a field amid equal parts of the cells of nodes, (count, n)."""
     # the field is asked for as many values as there are nodes: it may be made for these alone
     offsets = spacing * ((np.arange(count) + 0.5) / count - 0.5)
-    with np.errstate(all="ignore"):  # a formula may have no value beside the contact
+    with np.errstate(all="ignore"):  # a formula may have no value near the contact
         rows = [np.broadcast_to(np.asarray(field(x + one), float), x.shape) for one in offsets]
     return np.array(rows)

@@ -1,1 +1,1 @@
-"""What lies along the line y = 0: contacts, fields, and loads of any place and time."""
+"""Properties along the line y = 0: contacts, fields, and loads of any place and time."""

@@ -1,4 +1,4 @@
-"""What a scene says of a line: contacts, fields along x, several loads; a march answers it."""
+"""Properties of a scene along a line: contacts, fields along x, several loads, for a march."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class AlongLine:
 
     @cached_property
     def on_line(self) -> str:
-        """What of the scene is marched along a line alone, in words; "" if there is nothing."""
+        """Properties that only a march along a line takes, in words; "" if there are none."""
         if isinstance(self.friction, Law) and (beyond := beyond_similarity(self.friction)):
             return f"{type(self.friction).__name__} with {beyond}"
         parts = [self.base, self.load] if isinstance(self.load, Tractions) else [self.base]
@@ -62,9 +62,7 @@ class AlongLine:
             given = getattr(self, name)
             if not isinstance(plain(given), Real) or given != usual:
                 return f"`{name}`"
-        return next(
-            (f"`{name}`" for name in ("even", "adhesion", "run") if getattr(self, name)), ""
-        )
+        return next((f"`{name}`" for name in ("even", "adhesion") if getattr(self, name)), "")
 
     @cached_property
     def loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:

@@ -139,8 +139,8 @@ class Contact:
     def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
         """Return a contact that half the nodes see shorter by one, where a grid displaces its ends.
 
-        How the answer changes tells what the ends of the grid itself are worth, which lie
-        `misfit` of its node distances off: half that part of one node of the coarser grid.
+        The change of the answer measures the error of the ends of the grid, which lie `misfit` of
+        its node distances off: half that part of one node of the coarser grid.
         """
         cell = 2 * length / nodes
 
@@ -196,9 +196,9 @@ class Adhesion(Alike):
 
     Faces that touch and have never parted carry tension up to the strength.  Where they part, the
     tension falls linearly to 0 over the length; it takes strength x length / 2 per area to part
-    them.  Where they come together before, it falls in proportion to the gap.  What has parted by
-    the length touches like any other contact.  Friction acts where the faces touch, with no less
-    than no pressure: under tension only cohesion is left of it.
+    them.  Where they come together before, it falls in proportion to the gap.  Faces that have
+    parted by the length touch like any other contact.  Friction acts where the
+    faces touch; under tension only cohesion remains of it.
 
     Parameters
     ----------

@@ -137,7 +137,7 @@ class Scaled(Alike):
     Parameters
     ----------
     field : function or Table
-        What is multiplied.
+        Field that is multiplied.
     factor : float
         The factor.
     """

@@ -69,13 +69,17 @@ class InterfaceLoad(Alike):
             )
         if self.on is not None and not among(self.on, ("line", "slot")):
             raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
-        from semianalytic.scene.line.fields import check_field
+        from semianalytic.scene.line.fields import Table, check_field
 
         for name in ("shear", "pressure"):
             given = getattr(self, name)
             check_field(f"load: {name}", given)
-            if history is None and self.acts(name) and not callable(given):
-                raise SceneError(f"load: without a history `{name}` must be a function of x and t.")
+            fixed = isinstance(given, Table) or not callable(given)
+            if history is None and self.acts(name) and fixed:
+                raise SceneError(
+                    f"load: with history=None `{name}` must be a function of x and t, got "
+                    f"{shown(given)}; leave history out for a step, or give a function of t."
+                )
 
     def acts(self, name: str) -> bool:
         """Return whether the load has "shear" or "pressure": anything but the number 0."""
@@ -139,7 +143,7 @@ class FrontLoad(Alike):
     history : LoadHistory
         Factor over the time since the front.
     at : float
-        Where the front is at t = 0 [length].  What it has passed is loaded from t = 0 on: a wave of
+        Where the front is at t = 0 [length].  The part behind it is loaded from t = 0 on: a wave of
         negative angle therefore begins at the end of the line, or of the contacts.
 
     Raises

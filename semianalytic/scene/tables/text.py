@@ -51,7 +51,7 @@ class NamedColumns:
     ----------
     path : Path
     names : tuple of str
-        Of the columns; empty where the file has none.
+        Names of the columns; empty where the file has none.
     rows : (n, k) array
         NaN where there is no number.
     comments : tuple of str

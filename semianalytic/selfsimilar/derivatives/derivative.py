@@ -186,7 +186,7 @@ class Derivative:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the derivative of the total shear traction [stress per unit of the parameter].
 
-        It is plus or minus infinity at edges beside which the traction has a square root. Raises
+        It is plus or minus infinity at edges near which the traction has a square root. Raises
         what `slip_rate` raises.
         """
         ahead = self._ahead("shear", x, t)

@@ -289,7 +289,7 @@ class Surroundings:
         load, resting = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         differenced = load is None
         if differenced and rates.front_excess:
-            # What a sticking base retains is linear in the tractions, however the opening moves.
+            # The traction that a sticking base retains is linear in the tractions for any opening.
             load = Rates().of_load(self._fields.load)
         nodes, unfulfilled = NodeFields.zero(self.profile), resting
         # The exact part: fields of the load of derivatives on the present panels.

@@ -6,7 +6,7 @@ derivative at fixed slowness is
 
     dF/dp = F' - w dF/dv.
 
-It is infinite at the edges where F has a power less than one. Powers of the slip rate beside the
+It is infinite at the edges where F has a power less than one. Powers of the slip rate near the
 borders of an opening are differentiated in closed form, at a fixed share of the panel. See
 docs/derivatives.md, "Fields".
 """
@@ -300,7 +300,7 @@ class VariedProfile:
         mode = stuck_traction(profile.fields.factors.poisson_ratio, name)
         moved = nodes.ends[0, panel]
         started = self._stuck(left, name, False)
-        if moved.any():  # beside an edge, not at the shear front
+        if moved.any():  # near an edge, not at the shear front
             started = started + mode.derivative(left) * moved
         gained = self._stuck(v, name, False) - started
         return np.asarray(
@@ -319,7 +319,7 @@ def _growth(pair: Array) -> float:
     if not np.all(pair[0] * pair[1] > 0):
         return 0.0
     growth = float(np.log(pair[0] / pair[1]))
-    # Where the power is a multiple of 1/2, as beside most edges, rounding makes it exact.
+    # Where the power is a multiple of 1/2, as near most edges, rounding makes it exact.
     halves = round(2 * growth) / 2
     # Powers at ends are multiples of one half.
     return halves if abs(growth - halves) < 1e-2 else growth

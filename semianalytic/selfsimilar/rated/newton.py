@@ -64,7 +64,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     changes: list[float] = []
     profile, left = start, tuning.MOST_RATE_FIELDS
     for _ in range(12):  # four are usual
-        # What has not settled by now lies next to c_R, where each of a thousand fields moves the
+        # Values that have not settled lie next to c_R, where each of a thousand fields moves the
         # edges as far as the one before.
         if not (placement.converged and left > 0):
             break

@@ -13,7 +13,7 @@ from semianalytic.selfsimilar.zones import tuning
 
 
 def least_exponent(fields: ZoneFields, law: UnitLaw) -> tuple[float, float]:
-    """Return the least exponent of V beside edges slower than c_t, and the slowness of that edge.
+    """Return the least exponent of V near edges slower than c_t, and the slowness of that edge.
 
     V ~ |v - e|^(1/2 - theta / pi) with tan(theta) = -eta / m.
     """
@@ -29,7 +29,7 @@ def least_exponent(fields: ZoneFields, law: UnitLaw) -> tuple[float, float]:
 
 
 def held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
-    """Return a rule of a tolerance that is as long as V requires beside the edges of zones."""
+    """Return a rule of a tolerance that is as long as V requires near the edges of zones."""
     rule = rule_for(tolerance)
     cut_off = rule.reach / REACH  # the logarithm of what may be left out
     # An integrand d^p decays like e^(-p |y|): the smaller the exponent, the longer the rule.

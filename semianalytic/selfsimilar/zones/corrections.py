@@ -241,7 +241,7 @@ def _reaches(outward: CutPoints | None, inward: CutPoints | None) -> bool:
 def _with_missing_slip(
     zones: list[Zone], violations: list[Violation], load: Load, sound: bool
 ) -> list[Zone]:
-    """Return zones widened where traction exceeds friction beside them, and new ones if sound.
+    """Return zones widened where traction exceeds friction near them, and new ones if sound.
 
     Under a critical base the first starts at the longitudinal front if it slips along the base.
     """

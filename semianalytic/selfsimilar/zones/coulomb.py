@@ -48,7 +48,7 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
     rounding : float
         Excess that rounding explains, on all panels.
     mismatch : () or (k,) array
-        Excess that the mismatch of the edges explains, on panels beside a zone.  Farther from
+        Excess that the mismatch of the edges explains, on panels near a zone.  Farther from
         them it explains none: where the base is just below friction and the step a millionth of
         it, what is left at an edge is more than all the traction by which another zone slips.
     """
@@ -277,7 +277,7 @@ class Hidden:
 
 
 def doubtful(profile: Profile) -> np.ndarray:
-    """Return inner nodes (p, ..., n - 2) beside which the law may fail though it holds at nodes."""
+    """Return inner nodes (p, ..., n - 2) near which the law may fail though it holds at nodes."""
     value, y = profile.wrong_at_nodes, profile.panels.rule.y
     before, middle, after = value[..., :-2], value[..., 1:-1], value[..., 2:]
     # The parabola through three nodes has its maximum at `top`.

@@ -261,7 +261,7 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Return the largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
     For edges slower than c_t it counts at least a tenth of the change of the logarithm of their
-    distance from c: the slip rate beside a narrow stick gap follows that of the width of the gap.
+    distance from c: the slip rate near a narrow stick gap follows that of the width of the gap.
     For faster edges it counts at least the change of the square root of their distance from the
     longitudinal front: the pressure falls like that root behind the front, and so does the stress
     that a stuck strip holds there.

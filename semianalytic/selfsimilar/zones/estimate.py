@@ -32,7 +32,7 @@ def narrowness(edges: Edges, unknowns: Array) -> float:
     """
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return 1.0
-    # What is left then takes a fifth of rtol.
+    # The remainder then takes a fifth of rtol.
     return min(1.0, 3.0 * float(_width_ahead(edges, unknowns)))
 
 
@@ -131,7 +131,7 @@ def slip_gain(profile: Profile) -> float:
     zone = np.array(layout.zone)
     for index in set(zone[layout.slip]):
         of_zone = layout.slipping & (zone == index)
-        # Rates at nodes beside a film's edge are not bounded; the largest one of the profile is.
+        # Rates at nodes near a film's edge are not bounded; the largest one of the profile is.
         bound[of_zone] = min(rate[of_zone].max(), float(profile.largest_rate))
     most = float((np.cumsum((bound[:, None] * passed).ravel()) / at.ravel()).max())
     return most / first / largest
@@ -154,7 +154,7 @@ def missed_slip(profile: Profile) -> Array:
     """Return about how much slip is missed or has the wrong sense, over the largest slip rate.
 
     The result is () or (k,). Slip that is missed appears as traction that exceeds friction within
-    the tolerance. The mismatch of the edges appears as traction beside them too; it is counted with
+    the tolerance. The mismatch of the edges appears as traction near them too; it is counted with
     their shift.
     """
     largest = profile.largest_rate

@@ -52,7 +52,7 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
         narrow = _zone_around_narrow_opening(factors, load, load.opened)
         if narrow is not None:
             yield Guess([narrow])
-            # Where base and step nearly balance at the opening, the stuck traction does not tell.
+            # Where base and step nearly balance at the opening, the stuck traction does not decide.
             yield Guess([replace(narrow, sense=-narrow.sense)])
     for size in tuning.GRIDS:
         try:

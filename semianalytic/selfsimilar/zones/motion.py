@@ -76,7 +76,7 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
     zones = (_in_velocity(zone, profile, material) for zone in reversed(parts))
-    # Parts beside an opening that only rounding leaves are no zones: out of the plane nothing
+    # Parts near an opening that only rounding leaves are no zones: out of the plane nothing
     # drives slip ahead of the shear front.
     least = 0.0 if opening is None else 1e-9
     speed = material.shear_speed
@@ -174,7 +174,7 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         # V has a logarithm at c where the contact is open: its sense may change very close to c.
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
-    # Row 3 is the distance from c, which orders points beside c that v itself cannot tell apart.
+    # Row 3 is the distance from c, which orders points near c that v itself cannot resolve.
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
 
 

@@ -22,7 +22,7 @@ _SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must | has a unit)
 _NAMED = re.compile(r"`(\w+)`")
 _REFUSAL: Any = typer.BadParameter.__base__  # UsageError, of click or of the copy in newer typers
 _NUMBER = re.compile(r"\bvalid (integer|float|number)")
-"""What all versions say of text that is no number, each in words of its own."""
+"""Messages of all versions about text that is no number."""
 
 
 def in_options(sentence: str, options: Collection[str]) -> str:

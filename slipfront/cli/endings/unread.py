@@ -11,7 +11,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tables.columns import UnreadColumns
 
 NOTES: list[str] = []
-"""What the command of this moment has to say, for the document of --json."""
+"""Remarks of the current command, for the document of --json."""
 
 
 @contextmanager

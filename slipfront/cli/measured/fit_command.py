@@ -73,7 +73,7 @@ def fit_command(
         list[str] | None,
         typer.Option(
             metavar="NAME=QUANTITY@X,Y",
-            help="Of tables with a column for each gauge: what a column records, and where, as "
+            help="Quantity and place of a column, in tables with one column for each gauge, as "
             "SG1=exx@20mm,3.5mm, or a TOML file of lines SG1 = 'exx@20mm,3.5mm'.",
         ),
     ] = None,

@@ -46,14 +46,14 @@ _UNITS = "Units and conventions of the file (of the scene, and as given, unless 
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
-    "length_unit": optional(str, _UNITS, "Of positions and slip, as mm.", metavar="UNIT"),
-    "time_unit": optional(str, _UNITS, "Of times, as µs.", metavar="UNIT"),
-    "stress_unit": optional(str, _UNITS, "Of tractions, as MPa.", metavar="UNIT"),
+    "length_unit": optional(str, _UNITS, "Unit of positions and slip, as mm.", metavar="UNIT"),
+    "time_unit": optional(str, _UNITS, "Unit of times, as µs.", metavar="UNIT"),
+    "stress_unit": optional(str, _UNITS, "Unit of tractions, as MPa.", metavar="UNIT"),
 }
 CONVENTIONS: Mapping[str, Any] = {
-    "sign": optional(str, _UNITS, "Of slip and shear: as-given or reversed."),
+    "sign": optional(str, _UNITS, "Sense of slip and shear: as-given or reversed."),
     "slip": optional(str, _UNITS, "relative, half, or face: that of one face."),
-    "pressure": optional(str, _UNITS, "What is positive: compression or tension."),
+    "pressure": optional(str, _UNITS, "Positive pressure: compression or tension."),
     "tractions": optional(str, _UNITS, "total, or changes: those since t = 0."),
     "rate": optional(
         str, _UNITS, "Slip rate at its time, point, or the mean over the step before or after it."
@@ -80,12 +80,12 @@ PLACES: Mapping[str, Any] = {
         dimension="length",
     ),
     "column": optional(
-        list[str], _UNITS, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
+        list[str], _UNITS, "Name of a column, as slip_rate=V1.", metavar="NAME=COLUMN"
     ),
 }
 
 _OPTIONS: Mapping[str, Any] = {
-    "results": typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
+    "results": typer.Argument(metavar="RESULT...", help="Files of another code; coarse to fine."),
     "scene_name": option(
         "Name of a scene, or a TOML file.", flag="--scene", complete=scene_names, metavar="SCENE"
     ),

@@ -74,7 +74,7 @@ def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> A
     """
     if not x:
         if t:
-            raise SceneError("--t needs --x, the positions to be told about; give both.")
+            raise SceneError("--t needs --x, the positions to print; give both.")
         return None
     points = AskedPoints(tuple(_numbers(scene, "x", x)), tuple(_numbers(scene, "t", t or ())))
     for asked, other in (("x", "t"), ("t", "x")):

@@ -12,6 +12,7 @@ from compare.output.printed import PrintedTable
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.solids import SOLIDS
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli.options import AsJson, measured_option
@@ -34,7 +35,7 @@ def sliding(
         typer.Option(
             metavar=_BODY,
             help="Shear modulus, density, Poisson ratio of the upper body, such as "
-            "12GPa,2300kg/m3,0.25.",
+            "12GPa,2300kg/m3,0.25, or a solid known by name, such as steel.",
         ),
     ],
     lower: Annotated[str, typer.Option(metavar=_BODY, help="The same of the lower body.")],
@@ -78,11 +79,14 @@ def sliding(
 
 def _numbers(name: str, text: str) -> list[float]:
     """Return the three numbers of a body, the first two of which may have units."""
+    if (solid := SOLIDS.get(text.strip().lower())) is not None:
+        body = solid.material
+        text = f"{body.shear_modulus}Pa,{body.density}kg/m3,{body.poisson_ratio}"
     parts = text.split(",")
     if len(parts) != len(_KINDS):
         raise SceneError(
-            f"--{name} has to be three numbers as 30e9,2700,0.25: shear modulus, density and "
-            f"Poisson ratio; got {shown(text)}."
+            f"--{name} has to be a solid ({', '.join(SOLIDS)}) or three numbers as 30e9,2700,0.25: "
+            f"shear modulus, density and Poisson ratio; got {shown(text)}."
         )
     numbers = []
     for part, (what, dimension) in zip(parts, _KINDS.items(), strict=True):

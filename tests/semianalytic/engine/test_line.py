@@ -41,15 +41,15 @@ def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
 
 
-@pytest.mark.parametrize(("single", "error"), [(False, 1e-13), (True, 1e-6)])
-def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(single, error):
+@pytest.mark.parametrize(("double", "error"), [(None, 1e-13), (0, 1e-6), (2, 1e-6)])
+def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(double, error):
     grid = Grid(2 * np.pi, 8)
     fit = fit_memory(InPlane(0.5), 1000.0, 1e-7)
     shape = grid.amplitudes(np.cos(grid.x))
     results = []
     cuts = [2.0], [0.5, 0.25, 1.25], [1.0, 0.125, 0.125, 0.75], [0.125] * 14 + [0.25]
     for steps in cuts:
-        memory, at = LineMemory(fit, grid.wavenumbers, rows=2, single=single), 0.0
+        memory, at = LineMemory(fit, grid.wavenumbers, rows=2, double=double), 0.0
         for step in steps:
             past = memory.advance(at * shape, step)
             at += step
@@ -58,13 +58,13 @@ def test_memory_does_not_depend_on_how_a_linear_rate_is_cut_into_steps(single, e
         assert np.allclose(other, results[0], atol=error * np.abs(results[0]).max())
 
 
-@pytest.mark.parametrize("single", [False, True])
-def test_a_memory_is_put_back_to_the_last_bit(single):
+@pytest.mark.parametrize("double", [None, 0, 2])
+def test_a_memory_is_put_back_to_the_last_bit(double):
     fit, q = fit_memory(Antiplane(), 1000.0, 1e-7), np.arange(6.0)
     rates = np.random.default_rng(0).normal(size=(12, 1, 6))
 
     def new():
-        return LineMemory(fit, q, single=single)
+        return LineMemory(fit, q, double=double)
 
     whole, seen = new(), []
     for rate in rates:

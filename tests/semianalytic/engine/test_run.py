@@ -58,6 +58,24 @@ def test_the_estimate_covers_the_error_and_rtol_is_met():
     assert 0 < error < done.error_estimates["slip"]
 
 
+def test_bars_of_readings_hold_however_much_of_the_line_is_at_rest():
+    """Bars are of the place: neither the period nor quiet parts of it count."""
+    law = sf.RateAndState(a=0.01, b=0.015, f0=0.6, v0=1e-6, distance=1e-5, theta=1e3)
+    rock, load = sf.Material(30e9, 2700.0, 0.25), sf.InterfaceLoad(lambda x: 2e6 * (abs(x) < 0.5))
+    end, x = 4e-4, np.linspace(0.05, 0.45, 9)
+    bars = []
+    for period, nodes in ((12.0, 256), (24.0, 512)):
+        fault = scene_along(rock, law, period, 5e6, 2.5e6, [load], rate=1e-9)
+        reading = sf.solve(fault, end_time=end, nodes=nodes).reading(x, end)
+        bars.append(reading.slip.error)
+    assert bars[0] == pytest.approx(bars[1], rel=1e-3)
+    best = sf.solve(fault, end_time=end, nodes=2048, estimate=False)
+    off = np.abs(reading.slip.value - best.slip(x, end))
+    assert (off > 0).all()
+    assert (off < bars[1]).all()
+    assert (reading.arrivals["slip"].error < end).any()
+
+
 def test_two_edges_against_the_exact_solver():
     """A slot -2 < x < 0 beside a contact, until the wave of the other edge arrives."""
     scene = sf.find("preloaded")

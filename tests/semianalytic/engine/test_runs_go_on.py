@@ -207,6 +207,11 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     ):
         with pytest.raises(sf.DataFileError, match="is a run of another interface"):
             sf.Run.load(tmp_path / "own.h5", scene_along(UNIT, COULOMB, **other))
+    by_function = scene_along(UNIT, COULOMB, 8.0, loads=[sf.InterfaceLoad(np.cos)])
+    run(by_function, 0.2, 32).save(tmp_path / "own.h5")
+    with pytest.raises(sf.DataFileError, match="give the scene as well"):
+        sf.Run.load(tmp_path / "own.h5")
+    assert sf.Run.load(tmp_path / "own.h5", by_function).companion.nodes == 16
     run(moved_grid(), 0.2, 200, estimate=False).save(tmp_path / "own.h5")
     other = replace(moved_grid(), contact=sf.Contact([(-2.04, 1.9)]))
     with pytest.raises(sf.DataFileError, match="is a run of another interface"):

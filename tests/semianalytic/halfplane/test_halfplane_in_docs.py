@@ -42,10 +42,8 @@ def one_zone():
         (THEORY, r"| p\* | {} | {} | {} | {} |", lambda: stuck("I", [0.7, 1.0, 2.0, 10.0])),
         (THEORY, r"| q\* | {} | {} | {} | {} |", lambda: stuck("II", [0.7, 1.0, 2.0, 10.0])),
         # shear traction ahead of the shear wave
-        (THEORY, "rises to {} $Q_0$ at $c_t t$", lambda: stuck("II", 1.0)),
         (ARTICLE, r"q\* reaches {} Q_0 at c_t t", lambda: stuck("II", 1.0)),
         # where the bound of friction is negative without a base
-        (THEORY, "negative on {} $c_t t$", place_without_pressure),
         (ARTICLE, "negative on {} c_t t", place_without_pressure),
         (SCENES, "ν = 1/3 (c_R = {}, c_l", lambda: [THIRD.rayleigh_speed]),
         (

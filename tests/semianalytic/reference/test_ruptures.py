@@ -104,6 +104,17 @@ def test_tpv101_on_a_coarse_grid():
         assert here == pytest.approx(slip, rel=2e-3)
 
 
+@pytest.mark.slow
+def test_tpv103_stays_below_its_shear_wave_as_with_the_smallest_step_of_another_code():
+    """UGUCA on 720 nodes has its rupture at 9 km after 3.499 s with steps of 0.58 ms, and after
+    2.932 s, ahead of the shear wave, with its published 2.9 ms (docs/data/tpv103-arrivals.csv)."""
+    for nodes, ratio in ((720, 0.35), (720, 0.1), (1440, 0.35)):
+        options = {"end_time": 4.0, "nodes": nodes, "step_ratio": ratio, "every": 1}
+        line = sf.solve("tpv103", estimate=False, **options).interface
+        rate = line.slip_rate[:, int(np.argmin(abs(line.x - 9e3)))]
+        assert float(line.t[np.argmax(rate > 0.1)]) == pytest.approx(3.499, rel=0.02)
+
+
 # --- Weertman's pulse: its impedance, its direction, and that it is a state of friction -----------
 
 

@@ -271,7 +271,7 @@ def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
 
 @pytest.mark.slow
 def test_estimates_bound_errors():
-    """Twenty openings are drawn; the campaign of docs/campaign.md draws thousands of scenes."""
+    """Twenty openings are drawn; the campaign of docs/how_we_know.md draws thousands of scenes."""
     check_estimates(range(1000, 1020))
 
 

@@ -23,7 +23,7 @@ HISTORIES = ["ramp", "unload", "pulse", "harmonic"]
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", HISTORIES)
 def test_both_methods_agree_within_the_bars(name, tmp_path, capsys, request):
-    """At half the default resolution; at the default one the numbers in docs/scenes_compared.md."""
+    """At half the default resolution; at the default one the numbers in docs/how_we_know.md."""
     if name == "ramp":  # the slow run draws the figures of the others
         request.getfixturevalue("undrawn")
     folder = tmp_path / name

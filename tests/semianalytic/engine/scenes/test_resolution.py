@@ -187,7 +187,7 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
     levels = np.linspace(0.05, 1.0, 20)
 
     def pressures():
-        return np.array(list(GridPressure(scene, 400, 2 / 400, 1.0, 1 / 400).over(levels)))
+        return np.array(list(GridPressure(scene, 400, 2 / 400, 1.0, 1 / 400).over(levels, levels)))
 
     found = pressures()
     monkeypatch.setattr(grid_loads_module, "EXACT_KINKS", 1000)

@@ -1,0 +1,31 @@
+"""Every Python program of README and of the pages runs as it is pasted, in a folder of its own."""
+
+import contextlib
+import io
+import re
+
+import pytest
+from matplotlib import pyplot
+
+from docs.studies.pages import ROOT, pages
+
+SNIPPETS = {
+    f"{page.name}-{number}": code
+    for page in pages()
+    for number, code in enumerate(
+        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    )
+}
+LONG = ("extending.md-1", "start.md-2", "survey.md-0", "spacetime.md-0")
+"""Programs that take more than three seconds."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in SNIPPETS]
+)
+def test_snippet_runs_as_pasted(name, tmp_path, monkeypatch):
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    monkeypatch.chdir(tmp_path)
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "pasted"})
+    pyplot.close("all")
