@@ -146,13 +146,18 @@ class EdgeNodes:
 
     @cached_property
     def missed_opening(self) -> tuple[float, float]:
-        """What `hidden_openings` returns, added up over edges and frames."""
-        pressure, shear = self._at("pressure"), self._at("shear_traction")
-        left = np.broadcast_to(self._pressure, pressure.shape)
-        areas, forces = hidden_openings(
-            pressure, left, shear, self._spacing, self._compliance(in_plane=True)
+        """The areas of `hidden_openings`, added up, and their forces over what drives slip."""
+        known, shear, pressure = (
+            self._done.interface,
+            self._at("shear_traction"),
+            self._at("pressure"),
         )
-        return float(areas.sum()), float(forces[self._slips].sum())
+        left, size = np.broadcast_to(self._pressure, pressure.shape), self._spacing
+        areas, forces = hidden_openings(pressure, left, shear, size, self._compliance(True))
+        base = at_nodes("shear", self._done.scene.base.shear, known.x, self._on, size)
+        driving = size * float(np.abs(known.shear_traction - base)[:, self._on].sum())
+        force = float(forces[self._slips].sum())
+        return float(areas.sum()), force / (force + driving) if force else 0.0
 
     def _compliance(self, in_plane: bool) -> float:
         """Return the mean of (1 - nu) / mu of both bodies, or of 1 / mu [1 / stress]."""

@@ -103,16 +103,14 @@ def estimated(
         for name, share in shares.items()
     }
     (zone, slid), (parted, relieved) = beside.missed_slip, beside.missed_opening
+    # `thinned` has every other node
+    missed, parted = slid / (2 * spacing), parted / (2 * spacing)
     slip = float(np.abs(thinned(known.slip)).sum())
-    cell = 2 * spacing
-    missed, relieved = slid / cell, relieved / cell
-    # What no node shows, over all that there is; a force taken off slip, over what drives slip.
-    unseen = [("gap", parted / cell, sizes.get("gap", 0.0))]
-    for name in ("slip", "slip_rate"):
-        unseen += [(name, missed, slip), (name, relieved, sizes["shear_traction"])]
-    for name, part, seen in unseen:
-        if part > 0:
-            errors[name] += part / (seen + part) * (1 - min(errors[name], 1.0))
+    unseen = [("gap", parted / (sizes["gap"] + parted))] if parted else []
+    for share in (missed / (slip + missed) if missed else 0.0, relieved):
+        unseen += [("slip", share), ("slip_rate", share)]
+    for name, share in unseen:
+        errors[name] += share * (1 - min(errors[name], 1.0))
     largest = 0.5 if rtol is None else rtol
     status, name = done.status, deciding(done, errors)
     if status == "done" and missed > largest * (slip + missed):

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +28,7 @@ from semianalytic.memory.line_memory import Past
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
-from semianalytic.results.reading import SAMPLED_SAFETY, Measured, Reading
+from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units
@@ -232,7 +231,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
         of_grids = safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
-        return of_grids + self._of_film + self._of_openings
+        return of_grids + self._of_film + self._hidden
 
     @cached_property
     def _of_film(self) -> float:
@@ -244,7 +243,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         return float(wrong.sum() / max(np.abs(rates).sum(), SMALLEST))
 
     @cached_property
-    def _of_openings(self) -> float:
+    def _hidden(self) -> float:
         """Force that openings which no node shows take off slip, over that which drives it."""
         scene, known, spacing = self.scene, self.interface, self.grid.spacing
         held, load = scene.superposition
@@ -253,21 +252,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
         driving = spacing * np.abs(shear - held.shear).sum()
         return float(force.sum() / max(force.sum() + driving, SMALLEST))
-
-    def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Return what `SampledAnswer.reading` does, with bars of slip that count hidden openings.
-
-        An opening that is narrower than a node takes friction off slip in both marches.
-        """
-        found = super().reading(x, t)
-        if not self._of_openings:
-            return found
-        more: dict[str, Any] = {}
-        for name in ("slip", "slip_rate", "shear_traction"):
-            value, error = getattr(found, name)
-            most = float(np.abs(getattr(self.interface, name)).max())
-            more[name] = Measured(value, error + self._of_openings * most)
-        return replace(found, **more)
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
