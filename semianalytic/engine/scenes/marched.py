@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.beside_edges import film_error, hidden_openings
 from semianalytic.engine.bodies.marched_bodies import MarchedAnswer, MarchedBodies
 from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
 from semianalytic.engine.resolution import (
@@ -33,6 +34,9 @@ from semianalytic.scene.contact import process_zone
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
+
+SMALLEST = 1e-300
+"""What sums are divided by where nothing slips."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +224,28 @@ class Marched(MarchedAnswer, SampledAnswer):
             return math.inf if apart.difference or self._missed_zone is not None else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+        of_grids = safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+        return of_grids + self._of_film + self._hidden
+
+    @cached_property
+    def _of_film(self) -> float:
+        """Error of the slip rate at the edge of a film, over all of it, at the stored levels."""
+        rates, slope = self.interface.slip_rate, self.scene.law.steady_slope()
+        if not slope or self.grid.observed == 1:
+            return 0.0
+        wrong = film_error(rates[:, 0], rates[:, 1], slope, self.scene.impedance)
+        return float(wrong.sum() / max(np.abs(rates).sum(), SMALLEST))
+
+    @cached_property
+    def _hidden(self) -> float:
+        """Force that openings which no node shows take off slip, over that which drives it."""
+        scene, known, spacing = self.scene, self.interface, self.grid.spacing
+        held, load = scene.superposition
+        left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
+        shear, slips = known.shear_traction, known.slip_rate[:, 0] != 0
+        force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
+        driving = spacing * np.abs(shear - held.shear).sum()
+        return float(force.sum() / max(force.sum() + driving, SMALLEST))
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
