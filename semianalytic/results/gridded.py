@@ -45,7 +45,7 @@ class Gridded:
 
     def _unknown(self, what: str, instead: str) -> NoReturn:
         """Raise SceneError for a question that this answer cannot say anything about."""
-        raise SceneError(f"{what}: a {type(self).__name__} does not know it; {instead}.")
+        raise SceneError(f"{what}: a {type(self).__name__} does not contain it; {instead}.")
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the particle velocity; answers that know the bodies say it."""
