@@ -84,7 +84,7 @@ class Law(Alike, ABC):
         """Return the derivatives of strength by pressure, by |V|, by both and by |V| twice.
 
         Only laws define it whose strength is a smooth function of pressure and slip rate, and
-        proportional to pressure at rest: under steps they keep self-similarity (docs/rate.md).
+        proportional to pressure at rest: under steps they keep self-similarity.
         """
         raise NotImplementedError
 
@@ -95,7 +95,7 @@ class Law(Alike, ABC):
 
     @cached_property
     def keeps_similarity(self) -> bool:
-        """Whether fields under step loads depend on x/t alone (docs/rate.md)."""
+        """Whether fields under step loads depend on x/t alone."""
         pressure = np.array([0.0, 1.0, 2.0])
         rest = np.asarray(self.strength(pressure, 0 * pressure, 0 * pressure))
         excess = np.abs(rest - self.coefficient * pressure)
@@ -165,6 +165,8 @@ class Law(Alike, ABC):
         exactly: dp'/dt = (p - p') / `pressure_delay`.
         """
         delay = np.asarray(self.pressure_delay(speed), dtype=float)
+        if not delay.any():
+            return np.array(after, dtype=float)
         with np.errstate(divide="ignore"):
             lag = time / delay
         left = np.exp(-lag)
