@@ -5,7 +5,7 @@ Where slip of rate V meets the resistance eta V, X has the phase of M / (M + eta
 X carries the behaviour at each edge. An edge at which slip begins has |v - edge|^(-1/2) in dV/dv if
 it runs slower than c_R, and |v - edge|^(-phi/pi) between c_t and c_l. An edge that heals has |v -
 edge|^(-1/2) between c_R and c_t. The others are smoother by one power, because |tau| <= f p would
-fail otherwise (docs/theory.md, "Where the edges are"). X depends on the zones but not on the load.
+fail otherwise. X depends on the zones but not on the load.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Derivatives of a load and a material with respect to a parameter (docs/derivatives.md)."""
+"""Derivatives of a load and a material with respect to a parameter."""
 
 from __future__ import annotations
 

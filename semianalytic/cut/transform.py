@@ -9,13 +9,13 @@ of M_+ on stick,
 where C is a Cauchy integral over the parts of the cut on which s f P does not satisfy its
 condition, and R is a constant that follows from T(0).  For a load whose front moves over the slot
 with slowness p, the part of R that its amplitude makes, and P, have the factor k / (k + p), and the
-residue at k = -p takes the place of T(0) (docs/theory.md, "Loads whose front moves").  Where slip
+residue at k = -p takes the place of T(0).  Where slip
 meets the resistance eta V, Im (1 + eta / M) T is known instead, and X has the phase of
 M / (M + eta) there.
 
 The normal problem is the same in mode I, with opening for slip, no friction, and minus the pressure
 for traction. A gap closes smoothly behind its opening, which requires one more term for each
-closing edge e, T = X (C + R + r / (k + e)) (docs/separation.md, "The normal problem").
+closing edge e, T = X (C + R + r / (k + e)).
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class GivenZones:
         if self.load.resists_rate and factors.has_rayleigh_wave:
             front = factors.front_c
             # At c_R the phase of M / (M + eta) jumps by pi, so that panels under resistance end
-            # there (docs/theory.md, "Other conditions on the same cut").
+            # there.
             resists = any(lies_between(one.left, front, one.right) for one in self.zones)
             if opened is not None:
                 resists &= not lies_between(opened.zone.left, front, opened.zone.right)

@@ -6,7 +6,7 @@ the conditions at the edges are formed.  `ZoneFields.mismatch` is what is left o
 (`selfsimilar.zones.edges`).
 
 Slip that meets resistance has a further term r / (k + e) of T where it borders on an opening: V, or
-its finite part, is 0 there (docs/rate.md, "A film that opens").  So has a zone that ends with its
+its finite part, is 0 there.  So has a zone that ends with its
 opening.
 """
 
@@ -122,7 +122,7 @@ class ZoneFields(ZoneSlopes):
         for panel in range(len(layout.sense) - 1):
             if panel in row and panel + 1 in row and layout.open[panel] != layout.open[panel + 1]:
                 # theta is the phase of (M + eta) / M on the closed side; X ~ d^(+-theta / pi), with
-                # the sign of the side (docs/rate.md, "A film that opens").
+                # the sign of the side.
                 if layout.open[panel]:
                     borders.append((panel, -turn[row[panel + 1], ..., :1] / np.pi))
                 else:

@@ -20,7 +20,7 @@ m sin(pi / 4 + i y) and its mirror images, gives
     t(z) = 1 + sum_j w_j (N(z_j)^(-T) - 1) r(-z_j) / (z_j + z):
 
 no wave front and no zero comes near these points, so that the trapezoidal rule converges like
-exp(-4.9 / h) for every pair (docs/dissimilar.md, "The glued interface").
+exp(-4.9 / h) for every pair.
 """
 
 from __future__ import annotations

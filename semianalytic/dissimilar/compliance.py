@@ -10,10 +10,9 @@ sigma the normal traction, positive in tension.  Each body adds to A and B its o
     A_j = alpha b^2 / (mu R),   B_j = beta b^2 / (mu R),   D_j = (2 alpha beta - q) / (mu R),
     alpha = sqrt(a^2 - k^2),  beta = sqrt(b^2 - k^2),  q = b^2 - 2 k^2,  R = q^2 + 4 k^2 alpha beta,
 
-and D = D_1 - D_2 changes its sign where the bodies change places (docs/dissimilar.md,
-"Compliance").  Nothing here is divided by R: all quantities are formed times R_1 R_2, so that none
-has a pole at the Rayleigh waves of the bodies.  Slowness is in units of that of shear waves in the
-upper body, and stress in units of its shear modulus.
+and D = D_1 - D_2 changes its sign where the bodies change places.  All quantities are formed times
+R_1 R_2, not divided by R, so that none has a pole at the Rayleigh waves of the bodies.  Slowness is
+in units of that of shear waves in the upper body, and stress in units of its shear modulus.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ interface, lambda = i q / k, with
 
 so that their growth rate is proportional to wave number: waves grow however short they are, and
 faster on a finer grid.  The number of such waves follows from the phase of Phi along the cut;
-Newton's method is repeated until that many are found (docs/dissimilar.md, "Growing waves").
+Newton's method is repeated until that many are found.
 
 Where friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, f is divided
 by 1 + lambda t* (Prakash and Clifton, simplified).  Growth is then bounded.

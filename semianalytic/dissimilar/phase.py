@@ -2,7 +2,7 @@
 
 The phases of the two symbols of frictional contact, K = (A + s f k D) / (A B + k^2 D^2) and
 N = 1 / (A + s f k D), give every exponent at a zone edge, and their limits for v -> infinity give
-how many solutions there are (docs/dissimilar.md, "Exponents").
+how many solutions there are.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ C_j, which has a pole at its Rayleigh wave; left of it, where T = C^(-1) rho wit
     C_j T = (R_i det N_j / R_j + N_j adj N_i) rho / (R_1 R_2 det C),    N_j = C_j R_j,
 
 i being the other body, in which nothing has a pole at a Rayleigh wave and det N_j / R_j is
-(alpha beta + k^2) / mu^2 (docs/dissimilar.md, "Fields in both bodies").
+(alpha beta + k^2) / mu^2.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The edges satisfy their conditions for every nearby value of a parameter.  The pair is differenced
 between neighbours with edges of their own (`neighbours`), and the error is estimated from a second,
-coarser difference (docs/derivatives.md, "Two different bodies").
+coarser difference.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ V and U, and solved by Lemke's pivoting for slip of either sense and for the gap
 
     f p - tau >= 0,  f p + tau >= 0,  V_+ >= 0,  V_- >= 0,  p >= 0,  gap >= 0,
 
-one of each pair zero (docs/dissimilar.md, "Which zones there are").
+one of each pair zero.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ off again:
 
     dF/dp = dF/dp at x - ds/dp at x (dF/dx) / (ds/dx),
 
-s being the slowness (docs/derivatives.md, "Two different bodies").
+s being the slowness.
 """
 
 from __future__ import annotations

@@ -247,17 +247,21 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
                 f"scene: under friction {interface.friction:.4g} these bodies have no answer or "
                 "several; lower it (docs/dissimilar.md)."
             )
-        wave, limit = ahead[0], growth_threshold(interface.compliance, sense)
-        lower = f"lower it below {limit:.3g}, " if limit > LEAST_FRICTION else ""
+        wave, compliance = ahead[0], interface.compliance
+        limit, other = growth_threshold(compliance, sense), growth_threshold(compliance, -sense)
+        ways = [f"lower it below {limit:.3g}"] if limit > LEAST_FRICTION else []
+        if other > LEAST_FRICTION:  # slip of the other sense
+            below = f" and lower it below {other:.3g}" if other < interface.friction else ""
+            ways.append(f"exchange the bodies or reverse the load{below}")
         delayed = fastest_delayed_growth(interface.compliance, friction)
         share = delayed.rate if delayed else 0.0
         raise SceneError(
             f"scene: where the upper body slips towards {'+' if sense > 0 else '-'}x under "
             f"friction {interface.friction:.4g}, waves that run ahead grow by "
             f"{100 * np.expm1(wave.per_wavelength):.3g} % over every wavelength, however short, "
-            f"and nothing has an answer: {lower}exchange the bodies or reverse the load, so that "
-            "slip has the other sense, or let friction follow pressure with a delay of some "
-            f"{share:.2g} of the time of interest (docs/dissimilar.md)."
+            f"and nothing has an answer: {''.join(f'{one}, or ' for one in ways)}let friction "
+            f"follow pressure with a delay of some {share:.2g} of the time of interest "
+            "(docs/dissimilar.md)."
         )
 
 

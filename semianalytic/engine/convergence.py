@@ -76,7 +76,7 @@ def more_nodes(nodes: int, estimate: float, rtol: float, order: float | None, mo
     Until two marches are known, first order is assumed, that of slip rate at edges.
     """
     # Error ~ nodes^-order: the nodes that bring the estimate to rtol / 1.3.  With 1.15 a march that
-    # lacks a tenth is repeated: six scenes to 3e-3 and 1e-3 take 20 s in all, with 1.3 they take 14.
+    # lacks a tenth is repeated: six scenes to 3e-3 and 1e-3 take 20 s in all, with 1.3 14 s.
     growth = (1.3 * estimate / rtol) ** (1 / (order or 1.0))
     # The order is not known before the second march; one at a quarter of the nodes costs a
     # sixteenth.

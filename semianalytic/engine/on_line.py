@@ -22,6 +22,7 @@ from semianalytic.results.questions import (
     between,
     check_times,
     onsets,
+    onsets_until,
 )
 from semianalytic.results.reading import Measured, Reading, sampled_reading
 from semianalytic.results.sampled import Totals
@@ -128,8 +129,17 @@ class LineAnswer(Questions, Gridded):
         return np.asarray(self.interface.touching)
 
     def _onset(self: Any, of: str, share: float = ONSET_SHARE) -> Array:
-        at_every_step = of == "slip" and share == ONSET_SHARE
-        known = self.onset if at_every_step else onsets(self.interface, of, share)
+        known = self.onset
+        if of == "opening" or share != ONSET_SHARE:
+            known = onsets(self.interface, of, share)
+        elif of != "slip":
+            never, t = np.full(len(known), np.inf), self.interface.t
+            rate, least = self.interface.slip_rate, np.full(len(t), self.checkpoint.slipping)
+            times, rates = np.append(t[:1], t), np.vstack([rate[:1], rate])
+            signs = (1, -1) if of == "forward" else (-1, 1)
+            mine, other = (onsets_until(never, times, one * rates, least) for one in signs)
+            # the first of both senses is known at every step
+            known = np.where((mine <= other) & np.isfinite(mine), known, mine)
         return np.where(self._on & ~np.isnan(known), known, np.inf)
 
     def _places(self: Any, x: ArrayLike) -> Array:

@@ -1,7 +1,6 @@
 """Quantities that instruments measure of a stress: strain gauges and polariscopes.
 
-They take stress as `Solution.stress` returns it, (3, ...) or (5, ...), tension positive
-(docs/fields.md).
+They take stress as `Solution.stress` returns it, (3, ...) or (5, ...), tension positive.
 """
 
 from __future__ import annotations

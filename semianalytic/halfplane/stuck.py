@@ -5,7 +5,7 @@ slowness u = t/x.  Each is tabulated once per Poisson ratio as Chebyshev series 
 left after its square-root behaviour at the wave fronts is divided out.
 
 A load whose front moves over the slot with slowness p has v - p in place of v and M_+(-p) in place
-of M_+(0) (docs/theory.md, "Loads whose front moves").
+of M_+(0).
 """
 
 from __future__ import annotations

@@ -157,8 +157,7 @@ class Fit:
         """Return the logarithm of the posterior density of the parameters, up to a constant.
 
         It is -chi2/2 of the records plus the logarithms of the densities of the priors; without a
-        prior the density of a parameter is flat.  A sampler such as emcee takes it as it is
-        (docs/inversion.md).
+        prior the density of a parameter is flat.  A sampler such as emcee takes it as it is.
 
         Parameters
         ----------

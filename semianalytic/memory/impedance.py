@@ -2,7 +2,7 @@
 
 A slip rate of wavenumber q exerts the traction -(rho c_t / 2) [V + int h(q c_t (t - s)) q c_t V ds]
 (Geubelle & Rice 1995).  h has the Laplace transform G(s) - 1, where G is the impedance of a
-half-plane (docs/theory.md, "Any load history") at slowness i/s.  With A = sqrt(g^2 s^2 + 1),
+half-plane at slowness i/s.  With A = sqrt(g^2 s^2 + 1),
 B = sqrt(s^2 + 1), g = c_t/c_l, it is
 
     G = [(s^2 + 2)^2 - 4 A B] / (s^3 B)   in plane (`InPlane`),

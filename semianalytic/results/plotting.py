@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from semianalytic.scene.extras import needing
 from semianalytic.scene.units import SI
 
 _POINTS = 800
-_TALLEST = 2.0
+_TALLEST = 4.0
 """Largest slip rate drawn, over the one that a hundredth of the points exceed."""
 _SHOWN = {
     "length": ((1e-3, "km"), (1.0, "m"), (1e3, "mm"), (1e6, "µm")),
@@ -25,7 +26,7 @@ _SHOWN = {
 }
 """Units of figures of SI scenes: the largest of which there are two or more is drawn."""
 _TRACTIONS = ("pressure", "shear")
-_APART = 0.04
+_APART = 0.06
 """Distance over the width of a figure below which waves share one label."""
 
 
@@ -116,22 +117,38 @@ def _labelled(what: str, unit: str) -> str:
 def _title(scene: Any) -> str:
     """Return what a figure says of its scene."""
     metre, _, pascal = _units(scene, scene.period, 0.0)
-    law, words = scene.friction, [f"ν = {scene.material.poisson_ratio:.3g}"]
+    bodies = [one for one in (scene.material, scene.lower_material) if one is not None]
+    words = ["ν = " + " on ".join(f"{one.poisson_ratio:.3g}" for one in bodies)]
+    words += [scene.mode] * (scene.mode == "antiplane")
+    law, load = scene.friction, scene.load
     coefficient = law if isinstance(law, float) else getattr(law, "friction", None)
     if isinstance(coefficient, float):
         words.append(f"f = {coefficient:.3g}")
     if not isinstance(law, float):
         words.append(type(law).__name__)
-    for of in ("base", "load"):
-        for what in _TRACTIONS:
-            value = getattr(getattr(scene, of), what, 0.0)
-            number = isinstance(value, float | int)
-            if not number or value:
-                stated = _with_unit(value, pascal) if number else "varies"
-                words.append(f"{of} {what} {stated}")
+    # what has a speed or grows says its kind; its numbers are no tractions, or not these alone
+    plain = isinstance(load, type(scene.base))
+    for of, what in product(("base", "load") if plain else ("base",), _TRACTIONS):
+        value = getattr(getattr(scene, of), what)
+        number = isinstance(value, float | int)
+        if not number or value:
+            words.append(f"{of} {what} {_with_unit(value, pascal) if number else 'varies'}")
+    words += [] if plain else [_kind_of(load)]
+    histories = {type(one).__name__ for one in scene.acting_histories.values()} if plain else set()
+    words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
         words.append(f"period {_with_unit(scene.period, metre)}")
     return ", ".join(words)
+
+
+def _kind_of(load: Any) -> str:
+    """Return the kind of a load, with the angle of a wave or the speed of a patch."""
+    if isinstance(load, tuple):
+        return f"{len(load)} loads"
+    if hasattr(load, "angle"):
+        return f"{load.kind} wave at {load.angle:.3g}°"
+    speed = f" at {load.speed:.4g}" if hasattr(load, "speed") else ""
+    return type(load).__name__ + speed
 
 
 def _with_unit(value: float, unit: tuple[float, str]) -> str:
@@ -142,13 +159,19 @@ def _with_unit(value: float, unit: tuple[float, str]) -> str:
 def _map(answer: Any, history: Any, ax: Any) -> Any:
     """Draw the slip rate over x and t, and wave fronts from the edge or from where slip begins."""
     x, t, rate = history.x, history.t, history.slip_rate
-    origin, begin, signs = 0.0, 0.0, [1]
+    origins, begin = [(0.0, 1)], 0.0
     if (touching := getattr(history, "touching", None)) is not None:
         x, rate = x[touching], rate[:, touching]
         onset = np.where(np.isfinite(answer.onset[touching]), answer.onset[touching], np.inf)
-        first = int(onset.argmin())
-        if np.isfinite(onset[first]):
-            origin, begin, signs = x[first], onset[first], [1, -1]
+        begin = float(onset.min(initial=np.inf))
+        first = x[onset <= begin * (1 + 1e-9)]
+        # waves run from either end of what slips first to its own side, else to the other
+        ends = [(first.min(), -1), (first.max(), 1)] if np.isfinite(begin) else []
+        rooms = [(x[-1] - at if sign > 0 else at - x[0]) for at, sign in ends]
+        least = 0.02 * np.ptp(x)
+        origins = [
+            (at, s if room > least else -s) for (at, s), room in zip(ends, rooms, strict=True)
+        ]
     length, time, _ = _units(answer.scene, np.ptp(x), t[-1])
     slips = np.abs(rate[np.isfinite(rate)])
     # a line that hardly slips, or rests, does not count
@@ -165,31 +188,37 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
     labels: list[tuple[float, float, str]] = []
     for name, speed in _waves(answer).items():
         # where waves cross the line many times they are no lines of a picture
-        for sign in signs if speed * t[-1] < 20 * np.ptp(x) else ():
+        for origin, sign in origins if speed * t[-1] < 20 * np.ptp(x) else ():
             run = min(t[-1] - begin, abs(x[-1 if sign > 0 else 0] - origin) / speed)
             at = (origin + sign * speed * run) * length[0], (begin + run) * time[0]
             ax.plot([origin * length[0], at[0]], [begin * time[0], at[1]], color="0.4", lw=0.8)
             if run > 0:
                 labels.append((*at, name))
-    _name(ax, labels, np.ptp(x) * length[0], "data")
+    _name(ax, labels, (np.ptp(x) * length[0], t[-1] * time[0]), "data")
     limits = [one * length[0] for one in (min(x[0], 0.0), x[-1])]
     ax.set(xlabel=_labelled("x", length[1]), ylabel=_labelled("t", time[1]), xlim=limits)
     return ax
 
 
-def _name(ax: Any, labels: list[tuple[float, float, str]], width: float, rise: str) -> None:
+def _name(ax: Any, labels: Any, sizes: tuple[float, float], rise: str) -> None:
     """Write the names of waves at places (x, y, name); those close to each other share one."""
     groups: list[list[tuple[float, float, str]]] = []
     for one in sorted(labels):
-        if groups and one[0] - groups[-1][-1][0] < _APART * width:
-            groups[-1].append(one)
+        near = [
+            group
+            for group in groups
+            if all(abs(group[-1][k] - one[k]) < _APART * sizes[k] for k in (0, 1))
+        ]
+        if near:
+            near[0].append(one)
         else:
             groups.append([one])
     for group in groups:
         x, y, _ = group[-1]
-        names = ", ".join(name for *_, name in group)
+        names = ", ".join(dict.fromkeys(name for *_, name in group))
         above = {"textcoords": "offset points", "xycoords": ("data", rise), "ha": "center"}
-        ax.annotate(names, (x, y), xytext=(0, 3), fontsize="small", **above)
+        below = -12 if rise != "data" else 3  # the time of a profile stands above it
+        ax.annotate(names, (x, y), xytext=(0, below), fontsize="small", **above)
 
 
 def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
@@ -213,9 +242,15 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     upper = panels[0]
     rate = answer.slip_rate(x, end)
     finite = np.abs(rate[np.isfinite(rate)])
-    # it may be infinite at points
+    upper.plot(x * length[0], np.where(np.isfinite(rate), rate, np.nan))
+    # beside points where it is infinite the curve leaves the figure
     tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
-    upper.plot(x * length[0], np.where(np.abs(rate) <= tallest, rate, np.nan))
+    low, high = (
+        float(np.clip(one, -tallest, tallest)) for one in (np.nanmin(rate), np.nanmax(rate))
+    )
+    if high > low:
+        margin = 0.05 * (max(high, 0.0) - min(low, 0.0))
+        upper.set_ylim(min(low, 0.0) - margin, max(high, 0.0) + margin)
     upper.set_ylabel("slip rate" + " [m/s]" * (scene.units == SI))
     upper.set_title(f"t = {end * time[0]:.4g} {time[1]}".removesuffix(" time"), loc="left")
     for part in opened:
@@ -242,7 +277,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
                 labels.append((place * length[0], 1.0, name))
                 for one in panels:
                     one.axvline(place * length[0], color="0.7", lw=0.8)
-    _name(upper, labels, (reach - start) * length[0], "axes fraction")
+    _name(upper, labels, ((reach - start) * length[0], 1.0), "axes fraction")
     panels[-1].set_xlabel(_labelled("x", length[1]))
     for one, set_before in zip(panels, limits[1] if limits else (), strict=False):
         one.set_ylim(set_before)

@@ -1,6 +1,6 @@
 """Loads as a superposition: tractions in place on the interface, and tractions taken off the slot.
 
-All solvers take a load as this superposition (docs/theory.md, "Setting and signs").  The uncut line
+All solvers take a load as this superposition.  The uncut line
 y = 0 carries tractions "in place".  The slot is made by taking tractions off its faces, from which
 waves run out.  A load on the slot leaves the base in place and takes the load off.  A load from far
 away is a plane wave of normal incidence that both half-planes would let through as one body: from

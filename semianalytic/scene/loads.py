@@ -1,7 +1,7 @@
 """Load histories: the dimensionless functions f(t) that multiply a scene's loads.
 
 A history is 0 up to t = 0.  It is kept as a sum of jumps, kinks and waves, which solvers treat
-exactly where they can (docs/theory.md, "Stuck tractions").
+exactly where they can.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class LoadHistory(ABC):
     """A load history f(t), the sum of its pieces.
 
     Everything that solvers ask of a history follows from `pieces` and `turn`; a history of your own
-    is a frozen dataclass that defines both (docs/extending.md).
+    is a frozen dataclass that defines both.
 
     Examples
     --------
@@ -128,8 +128,7 @@ class LoadHistory(ABC):
         """Return how far f goes up and down again, or down and up, within a time `width`.
 
         The turn is relative to the largest value of f.  It is 0 where f only rises or only falls; a
-        jump is no turn.  A march has to resolve turns (docs/spacetime.md, "Resolution of
-        the grid").
+        jump is no turn.  A march has to resolve turns.
 
         Parameters
         ----------

@@ -299,7 +299,7 @@ class Scene(AlongLine):
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
         slope = pressure * self.law.fall_with_rate
         # rho c_t / 2, the local term of the space-time equation: a steeper law would have several
-        # slip rates, or none, for one stopping traction (docs/theory.md, "Any load history")
+        # slip rates, or none, for one stopping traction
         radiated = self.material.shear_impedance / 2
         if slope >= radiated:
             raise SceneError(

@@ -208,8 +208,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         """Return (K_I, K_II) at the contact edge at times t [stress sqrt(length)]: (3.13), (3.16).
 
         The pressure is K_I / sqrt(2 pi x) and the shear traction K_II / sqrt(2 pi x) near the edge;
-        a slipping edge has |K_II| = f K_I. In antiplane shear the second value is K_III
-        (docs/theory.md, "Stuck tractions").
+        a slipping edge has |K_II| = f K_I. In antiplane shear the second value is K_III.
         """
         scene, t = self.scene, finite_times(t)
         unit = Tractions(1.0, 1.0)
@@ -364,7 +363,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         """Return the derivative of zones and fields with respect to a parameter, all others held.
 
         The conditions at the zone edges are differentiated implicitly, at about the cost of the
-        solution (docs/derivatives.md, "Edges").
+        solution.
 
         Parameters
         ----------

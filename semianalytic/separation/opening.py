@@ -1,7 +1,7 @@
 """Edges of the opening: where the pressure falls to zero, and where the gap closes.
 
 The transform P of the change of pressure is real where the contact is open, P / M_+ of mode I is
-real where it is closed, and P(0) = P_0.  There is one opening at most (docs/separation.md):
+real where it is closed, and P(0) = P_0.  There is one opening at most:
 
 - from the contact edge for P_0 < 0, its speed in closed form, u_s = p + (J/P_0)^2 M_+(-p)^2 with J
   the jump of pressure at the edge and p the slowness of the front of the load (0 if it comes at

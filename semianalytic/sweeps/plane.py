@@ -150,7 +150,7 @@ class Plane:
         keys = np.concatenate([[hiding], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
-        # is that of the digits at both ends plus ln(1/gap) (docs/solver.md, "Quadrature").
+        # is that of the digits at both ends plus ln(1/gap).
         digits = 2 - np.log(rule)
         nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
         for one in range(group.max() + 1):

@@ -7,7 +7,7 @@ of the edge of motion, e_p = 1/w that of the patch and m(v) = Im M(-v + i0), tra
     W = C k / ((e_p^2 - k^2) sqrt(e_s^2 - k^2)),  T = -M W,
 
 with C = 2 S e_p sqrt(e_p^2 - e_s^2) / m(e_p), and the edge is where the traction ahead of it meets
-strength (docs/whole_line.md).
+strength.
 """
 
 from __future__ import annotations

@@ -118,9 +118,8 @@ def facts_table(answer: Any) -> PrintedTable:
             when = _measure(1.0, "time", scene)
             table.add_row(f"{', '.join(values)} at t = {when}", shown, units["edge"][name])
     for wave in getattr(answer, "growing", ()):
-        towards = "a march of these bodies lets waves towards the edge grow"
-        growth = f"by {100 * math.expm1(wave.per_wavelength):.3g} % per wavelength"
-        table.add_row(towards, growth, "")
+        growth = f"{100 * math.expm1(wave.per_wavelength):.3g}"
+        table.add_row("growth of waves towards the edge in a march", growth, "% per wavelength")
     table.add_row("status", answer.status, "")
     table.add_row("error estimate", f"{answer.error_estimate:.1e}", "relative")
     for name, value in known.get("statistics", {}).items():

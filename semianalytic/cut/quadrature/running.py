@@ -1,8 +1,7 @@
 """Integrals along panels: of densities at their nodes, of poles, and of powers near their ends.
 
 `PanelIntegral` computes slip rate from its slope, slip from slip rate, and traction along panels.
-`Power` is the part of a density that is large beside an end of a panel (docs/rate.md, "A film that
-opens").
+`Power` is the part s^e of a density that is large at an end of a panel.
 """
 
 from __future__ import annotations

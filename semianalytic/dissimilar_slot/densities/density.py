@@ -11,8 +11,7 @@ compliance, and tractions keep to the law of friction where
         = -Im g R(-v) z(0) / (pi v)
 
 with g = (1, s f) C^(-1) where the interface slips or is open (tau + s f sigma does not change), and
-g = (0, 1) C^(-1) besides where it is open (nor does sigma); a viscous film adds eta to Re g for V'
-(docs/dissimilar.md, "Densities on the zones").
+g = (0, 1) C^(-1) besides where it is open (nor does sigma); a viscous film adds eta to Re g for V'.
 """
 
 from __future__ import annotations

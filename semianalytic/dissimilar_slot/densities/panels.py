@@ -7,8 +7,7 @@ of the distance from either end.  A density like d^e at an end decays like exp(-
 The power selects the solution: on the line Re = -p of exponents the equations have exactly one, if
 the wanted exponent e lies to its right and the next one, e - 1, to its left, p stays between 0
 and 1, and nothing else comes between.  Far behind its start and far ahead of its end a zone is like
-one that reaches the contact edge: there omega follows v to the power that it has at that edge
-(docs/dissimilar.md, "Weights").
+one that reaches the contact edge: there omega follows v to the power that it has at that edge.
 """
 
 from __future__ import annotations
@@ -233,7 +232,7 @@ class PanelRule:
 def rule_for(tolerance: float) -> PanelRule:
     """Return a rule on which slip rates are right to about a tolerance at every point.
 
-    The sinc series is off by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5 (docs/dissimilar.md).
+    The sinc series is off by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5.
     """
     return PanelRule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
 
@@ -281,7 +280,7 @@ def edge_exponents(
 
     The exponent is -theta_K / pi where slip starts and theta_K / pi where it heals.  It is
     -theta_N / pi where slip turns to opening and theta_N / pi - 1 where an opening closes, lower by
-    one since the gap has to vanish there as well as its rate (docs/dissimilar.md, "Exponents").
+    one since the gap has to vanish there as well as its rate.
     """
     slip, opening = interface.slip_turn, interface.open_turn
     if zone.open:

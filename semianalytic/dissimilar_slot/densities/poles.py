@@ -8,7 +8,7 @@ of U (Lamb).  On the cut both are
 
     q = d delta(v - c) + p G(v) / (v - c),    G(c) = 1,
 
-with G a parabola that vanishes at the ends of the panel (docs/dissimilar.md, "Openings").
+with G a parabola that vanishes at the ends of the panel.
 """
 
 from __future__ import annotations

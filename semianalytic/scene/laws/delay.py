@@ -19,8 +19,7 @@ class DelayedLaw(Law):
     """A law whose friction may follow a pressure p' that lags behind the contact pressure p.
 
     dp'/dt = (p - p') (1/delay + |V|/delay_slip), where a delay of 0 is left out (Prakash and
-    Clifton 1993, simplified).  Between different bodies only this makes most friction well-posed
-    (docs/dissimilar.md).
+    Clifton 1993, simplified).  Between different bodies only this makes most friction well-posed.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Law(Alike, ABC):
         """Return the derivatives of strength by pressure, by |V|, by both and by |V| twice.
 
         Only laws define it whose strength is a smooth function of pressure and slip rate, and
-        proportional to pressure at rest: under steps they keep self-similarity (docs/rate.md).
+        proportional to pressure at rest: under steps they keep self-similarity.
         """
         raise NotImplementedError
 
@@ -95,7 +95,7 @@ class Law(Alike, ABC):
 
     @cached_property
     def keeps_similarity(self) -> bool:
-        """Whether fields under step loads depend on x/t alone (docs/rate.md)."""
+        """Whether fields under step loads depend on x/t alone."""
         pressure = np.array([0.0, 1.0, 2.0])
         rest = np.asarray(self.strength(pressure, 0 * pressure, 0 * pressure))
         excess = np.abs(rest - self.coefficient * pressure)

@@ -38,7 +38,8 @@ def sampled(
         values = np.asarray(field(x), dtype=float)
     except TypeError as error:  # of a function of other arguments
         raise SceneError(
-            f"{what} must be a function of x alone ({error}); a load of x and t has history=None."
+            f"{what} must be a function of an array of x, by np.exp and not math.exp, and of "
+            f"nothing else ({error}); a load of x and t has history=None."
         ) from error
     if values.shape not in ((), x.shape):
         raise SceneError(

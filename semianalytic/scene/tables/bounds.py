@@ -43,7 +43,7 @@ def size_of(path: Path) -> int:
     with _readable(path):
         status = path.stat()
     if not stat.S_ISREG(status.st_mode):
-        raise DataFileError(f"{path} is not an ordinary file; save what it gives in one.")
+        raise DataFileError(f"{path} is not an ordinary file; save its contents to a file.")
     return status.st_size
 
 

@@ -1,4 +1,4 @@
-"""Derivatives of a solution with respect to a parameter of its scene (docs/derivatives.md)."""
+"""Derivatives of a solution with respect to a parameter of its scene."""
 
 from __future__ import annotations
 
@@ -165,8 +165,7 @@ class Derivative:
         """Return the derivative of the relative slip rate [length / time per unit of the
         parameter].
 
-        It is plus or minus infinity at edges where the slip rate has a square root
-        (docs/derivatives.md, "Fields").
+        It is plus or minus infinity at edges where the slip rate has a square root.
 
         Raises
         ------

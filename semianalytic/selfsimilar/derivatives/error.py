@@ -1,4 +1,4 @@
-"""The error of a derivative, from its difference from a coarser one (docs/derivatives.md)."""
+"""The error of a derivative, from its difference from a coarser one."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Parameters with respect to which solutions are differentiated: their values, what each changes.
 
-Also where zones are about to change with one, so that derivatives hold to one side only
-(docs/derivatives.md, "Where the set of zones changes").
+Also where zones are about to change with one, so that derivatives hold to one side only.
 """
 
 from __future__ import annotations
@@ -129,7 +128,7 @@ def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
 
 
 def border(scene: Scene, profile: Profile, name: str) -> str:
-    """Return what changes beside a solution with a parameter (docs/derivatives.md), or ""."""
+    """Return what changes beside a solution with a parameter, or ""."""
     load = profile.fields.load
     if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"

@@ -323,8 +323,7 @@ class Surroundings:
         retains.
 
         Behind the front the traction jumps by minus the excess, like r / (k + a) of T, and the slip
-        rate by the excess over the impedance; a strip of width of higher order makes both smooth
-        (docs/derivatives.md, "Where the set of zones changes").
+        rate by the excess over the impedance; a strip of width of higher order makes both smooth.
         """
         if not rates.front_excess:
             return fields

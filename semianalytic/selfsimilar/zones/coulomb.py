@@ -90,8 +90,7 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
     if not profile.edge_slips:
         sound &= excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
-        # V = A + r ln|v - c| reverses beside c if r has the sign of the zone (docs/theory.md,
-        # "Where the edges are").
+        # V = A + r ln|v - c| reverses beside c if r has the sign of the zone.
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any() and not panels.layout.open[pole]:
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)
@@ -240,7 +239,7 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
 def excess_intensity(profile: Profile) -> Array:
     """Return K_II / (f K_I) - 1 (or with K_III) at a stuck contact edge, () or (k,).
 
-    The edge must slip where this is positive (docs/theory.md, "Stuck tractions").
+    The edge must slip where this is positive.
     """
     load, factors = profile.fields.load, profile.fields.factors
     # Stress intensities of unit steps are proportional to 1 / M_+(0), (3.13) and (3.16).

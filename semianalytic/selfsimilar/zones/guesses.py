@@ -121,8 +121,8 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip, load: Load) -> list[
             seen = start <= inner < stop and rate[inner]
             ratio = abs(rate[node] / rate[inner]) if seen else 0.5
             # An edge between two nodes leaves the same pattern wherever it lies: from the ratio of
-            # the outermost slip rate to the next one follows its place (docs/solver.md, "Which
-            # zones").  Unknowns are then 0.02 off in the median of a hundred random scenes.
+            # the outermost slip rate to the next one follows its place, to
+            # 0.02 of the unknowns in the median of a hundred random scenes.
             share = float(min(0.25 + 0.75 * ratio, most))
             place = xi[node] + share * (xi[outside] - xi[node])
             if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
@@ -137,7 +137,7 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
 
     This zone begins ahead of the opening, where the strength falls to zero and the traction does
     not. It ends behind the opening where slip is seen, or else where the opening closes, or at the
-    contact edge (docs/separation.md, "Shear beside an opening").
+    contact edge.
     """
     assert load.opened is not None
     opening = load.opened.zone

@@ -9,7 +9,7 @@ values of Cauchy's kernel.  Numbers without such an effect stand where they are 
 # The search: which zones, on which rules (search, guesses)
 
 GRIDS = (48, 96, 192, 384)
-"""Nodes of the grids until zones hold: about fifty show those of most scenes (docs/solver.md)."""
+"""Nodes of the grids until zones hold: about fifty show those of most scenes."""
 STRONGEST_RESISTANCE = 1e15
 """Resistance of slip to its rate, eta [mu b], beyond which slip is rounding of the traction."""
 RULE_SHARE = 10.0

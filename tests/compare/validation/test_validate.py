@@ -300,4 +300,4 @@ def test_whatever_is_unresolved_says_why(gauges, seed):
     between = [row for row in found.having("unresolved") if row.bar and row.over_bar > 1]
     assert between
     assert all(row.obstacle for row in found.having("unresolved"))
-    assert all("stated as it is" in row.obstacle for row in between if row.bar < 0.05)
+    assert all("true noise" in row.obstacle for row in between if row.bar < 0.05)
