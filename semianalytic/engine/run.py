@@ -297,5 +297,6 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
+        motion=record.motion.motion(),
         checkpoint=checkpoint(stepper, record, kept, now, latest),
     )

@@ -48,7 +48,7 @@ SLOWING = sf.RateAndState(0.01, 0.006, 0.6, 1e-6, 1e-3)
 UNIT, BASE, SHEAR = sf.Material(1.0, 1.0, 1 / 3), sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap", "path", "work_density")
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
-IN_BODIES = ("velocity", "stress", "displacement")
+IN_BODIES = ("velocity", "stress", "strain", "displacement")
 X, T = np.array([0.1, 0.25]), np.array([[0.4], [0.9]])
 
 answer = cache(lambda name: ANSWERS[name]())
