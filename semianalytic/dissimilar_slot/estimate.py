@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
 from semianalytic.halfplane.rayleigh import Array
+
+_COMPARED = np.linspace(-6.0, 6.0, 25)
+"""Coordinates x of a panel at which rates are compared: between them they differ no more."""
 
 
 def numerical_error(placement: PlacedZones, tolerance: float) -> float:
@@ -22,10 +26,10 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     error = 3e-13 + fine.glued.error(np.array([0.0, fine.interface.compliance.last]))  # rounding
     if not fine.zones:
         return error
-    # Values up to 3 at points between those compared, or 6 under a film of resistance 1.5.
-    error += 4.0 * tolerance * max(1.0, 3.0 * fine.interface.resistance)
+    error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
-    move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
+    one, other = edge_tractions(fine), edge_tractions(coarse)
+    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, one))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
     slowest = fine.interface.compliance.last
@@ -34,12 +38,12 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     rates, others = _rates(fine), _rates(coarse)
     scale = np.abs(rates).max(axis=0)
     of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
-    changes = [shifts, left, of_rates, _traction_change(fine, coarse)]
+    changes = [shifts, left, of_rates, _traction_change(fine.interface, one.values, other.values)]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
 
 def _rates(density: Density) -> Array:
-    """Return V and U, (n, 2), in the middle (x = 0) and at the end of every panel."""
+    """Return V and U, (n, 2), at points of every panel and at its end."""
     from scipy.special import sici  # here, for a quick import
 
     rate, result = np.zeros(2), []
@@ -51,17 +55,16 @@ def _rates(density: Density) -> Array:
         if panel.zone != zone and density.zones[panel.zone].left != stop:
             rate = np.zeros(2)
         zone = panel.zone
-        # The integral of sinc up to x = 0 is 1/2 + Si(pi n) / pi for the node n steps before it.
-        steps = -(panel.first + np.arange(panel.count))
-        result.append(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)
+        # The integral of sinc up to x is 1/2 + Si(pi n) / pi for the node n steps before it.
+        nodes = panel.first + np.arange(panel.count)
+        steps = _COMPARED[:, None] / panel.spacing - nodes
+        result += [*(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)]
         rate = rate + density.panel_change(part, slope, amplitude)
         result.append(rate)
     return np.array(result)
 
 
-def _traction_change(fine: Density, coarse: Density) -> Array:
-    """Return the differences of tau and sigma at edges, over themselves plus f P_b or P_b."""
-    one, other = edge_tractions(fine).values, edge_tractions(coarse).values
-    interface = fine.interface
+def _traction_change(interface: LoadedBodies, one: Array, other: Array) -> Array:
+    """Return differences of tau and sigma at edges, (e, 2), over themselves plus f P_b or P_b."""
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])
     return np.asarray(np.abs(one - other) / (np.abs(one) + held))

@@ -112,6 +112,13 @@ class LineAnswer(Questions, MarchedAnswer):
         part = np.searchsorted(begins, x, side="right") - 1
         return np.minimum(x, begins[part] + step / 8), np.maximum(x, ends[part] - step / 8)
 
+    @cached_property
+    def _hidden(self: Any) -> float:
+        """Part of what drives slip that openings which no node shows take off."""
+        from semianalytic.engine.beside_edges import EdgeNodes  # which reads answers
+
+        return EdgeNodes(self).missed_opening[1]
+
     @property
     def _moved(self: Any) -> Array:
         """Nodes of the companion where the contact has slipped: bars do not depend on how much of

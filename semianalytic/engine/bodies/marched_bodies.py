@@ -128,7 +128,7 @@ class MarchedBodies:
             if isinstance(load, FrontLoad) and isinstance(load.front, IncidentWave):
                 if self.scene.lower_material is not None:
                     raise SceneError(
-                        f"{quantity}: the plane waves that an incident wave sends through two "
+                        "the plane waves that an incident wave sends through two "
                         "different bodies are not computed; simulate the scene."
                     )
                 at = x - load.at, y, t

@@ -20,7 +20,7 @@ from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.scenes.loads import FreeFaces, front_of
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import ContactGrid
-from semianalytic.engine.scenes.slot import load_jumps, spans_to, spans_until
+from semianalytic.engine.scenes.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
 
@@ -95,7 +95,7 @@ def _moved(marched: Marched, line: FreeFaces) -> Motion:
     """Return the motion of a line from the beginning of its load until the end of a march."""
     rest, begins = np.zeros(line.grid.nodes // 2), marched.begins
     none = rest[line.kept]
-    line.jumps = load_jumps(marched.scene)
+    line.jumps = marched.scene.jumps
     blocks = EqualSteps(line, Reached(begins, rest, none, none, none, none))
     spans = spans_to(spans_until(marched), begins, marched.end_time)
     record = MotionRecord(begins)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.beside_edges import film_error, hidden_openings
 from semianalytic.engine.bodies.marched_bodies import MarchedAnswer, MarchedBodies
 from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
 from semianalytic.engine.resolution import (
@@ -27,14 +28,15 @@ from semianalytic.memory.line_memory import Past
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
 from semianalytic.results.sampled import SampledAnswer, Totals
-from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 6"
+SMALLEST = 1e-300
+"""What sums are divided by where nothing slips."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +169,7 @@ class Marched(MarchedAnswer, SampledAnswer):
     """
 
     method = "space-time"
+    saved_as = "slipfront march 6"
 
     scene: Scene
     interface: InterfaceHistory
@@ -221,7 +224,28 @@ class Marched(MarchedAnswer, SampledAnswer):
             return math.inf if apart.difference or self._missed_zone is not None else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+        of_grids = safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+        return of_grids + self._of_film + self._hidden
+
+    @cached_property
+    def _of_film(self) -> float:
+        """Error of the slip rate at the edge of a film, over all of it, at the stored levels."""
+        rates, slope = self.interface.slip_rate, self.scene.law.steady_slope()
+        if not slope or self.grid.observed == 1:
+            return 0.0
+        wrong = film_error(rates[:, 0], rates[:, 1], slope, self.scene.impedance)
+        return float(wrong.sum() / max(np.abs(rates).sum(), SMALLEST))
+
+    @cached_property
+    def _hidden(self) -> float:
+        """Force that openings which no node shows take off slip, over that which drives it."""
+        scene, known, spacing = self.scene, self.interface, self.grid.spacing
+        held, load = scene.superposition
+        left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
+        shear, slips = known.shear_traction, known.slip_rate[:, 0] != 0
+        force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
+        driving = spacing * np.abs(shear - held.shear).sum()
+        return float(force.sum() / max(force.sum() + driving, SMALLEST))
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
@@ -324,33 +348,9 @@ class Marched(MarchedAnswer, SampledAnswer):
             f"{error}>"
         )
 
-    def save(self, path: str | Path) -> None:
-        """Write the march as HDF5, to be loaded or continued.
-
-        The file appears under its name only when it is complete.
-
-        Parameters
-        ----------
-        path : path
-            File to write; missing folders are made.
-
-        Raises
-        ------
-        MissingLibraryError
-            If h5py is not installed.
-        DataFileError
-            If the file cannot be written.
-        """
-        write_answer(path, FORMAT, self)
-
     @classmethod
     def load(cls, path: str | Path) -> Marched:
         """Read a march that `save` wrote.
-
-        Parameters
-        ----------
-        path : path
-            File to read.
 
         Raises
         ------
@@ -359,4 +359,4 @@ class Marched(MarchedAnswer, SampledAnswer):
         DataFileError
             If the file is missing, damaged or not a march.
         """
-        return read_answer(path, FORMAT, cls, "a file of one", "march again")
+        return read_answer(path, cls.saved_as, cls, "a file of one", "march again")
