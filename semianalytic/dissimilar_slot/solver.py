@@ -118,7 +118,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         raise SceneError(
             "scene: where these bodies stick, a wave runs along their interface at "
             f"{bonded * scene.material.shear_speed:.6g} (a Stoneley wave), at which tractions are "
-            "infinite; this solver does not know it: change a modulus or density "
+            "infinite; this solver does not treat it: change a modulus or density "
             "(docs/dissimilar.md)."
         )
     clock = [perf_counter()]
@@ -135,7 +135,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         newton_steps=trial.steps,
         zone_sets=trial.sets,
         unknowns=len(trial.placement.unknowns),
-        nodes=density.matrix.shape[1],
+        nodes=density.unknowns,
         residual=density.residual,
         smallest_singular_value=density.smallest_singular_value,
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
@@ -181,7 +181,7 @@ def _search(interface: LoadedBodies, rtol: float) -> _Trial:
             if interface.resistance and any(zone.open for zone in zones):
                 raise SceneError(
                     "scene: the contact opens under a viscous film, which this solver does not "
-                    "know between different bodies; leave the viscosity out, or make the base "
+                    "treat between different bodies; leave the viscosity out, or make the base "
                     "pressure larger (docs/dissimilar.md)."
                 )
             placement = place(interface, canonical, zones, rule, _LOCATED)
@@ -207,7 +207,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """Refine edges and densities until the error estimate is below rtol; return both."""
     if not trial.lawful:
         return trial, np.inf
-    placement, steps, tolerance = trial.placement, trial.steps, rtol / 10.0
+    # The estimate was 10 to 20 tolerances in 30 of 45 random pairs, and less in two of them.
+    placement, steps, tolerance = trial.placement, trial.steps, 0.03 * rtol
     for _ in range(4):  # rules tried until the estimate is below rtol
         canonical = glued(placement.density.interface.compliance, _CANONICAL * tolerance)
         placement = polished(placement, canonical, rule_for(tolerance), tolerance)

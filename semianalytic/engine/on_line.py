@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.gridded import Gridded
+from semianalytic.engine.bodies.marched_bodies import MarchedAnswer
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
@@ -39,7 +39,7 @@ LEAST_SLIP = 1e-3
 
 
 @asked_in_units
-class LineAnswer(Questions, Gridded):
+class LineAnswer(Questions, MarchedAnswer):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 
     method = "space-time"

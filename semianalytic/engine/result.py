@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -14,13 +15,15 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.dissimilar.kernels import pair_of
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
+from semianalytic.engine.bodies.motion import Motion
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import RunCheckpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes, dataset
-from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -30,7 +33,6 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run along a line 13"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -96,6 +98,8 @@ class Run(LineAnswer):
         error: ...", whose fields are complete.
     checkpoint : RunCheckpoint
         Everything that `run` needs to continue this run.
+    motion : Motion
+        Rates of slip and opening of the whole line in every step, which drive the bodies.
     companion : Run or None
         The same run on half the nodes, at the same frames, from which errors are estimated.
 
@@ -110,6 +114,8 @@ class Run(LineAnswer):
     ((2,), 'done')
     """
 
+    saved_as, compression = "run along a line 13", 4
+
     scene: Scene
     nodes: int
     interface: LineFields
@@ -118,6 +124,7 @@ class Run(LineAnswer):
     peak_rates: Array
     status: str
     checkpoint: RunCheckpoint = field(repr=False)
+    motion: Motion = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     companion: Run | None = field(default=None, repr=False)
 
@@ -191,6 +198,16 @@ class Run(LineAnswer):
         state = self.checkpoint.end
         kept = {"friction": state.work, "closing": state.closing}
         return {name: float(weights @ value) for name, value in kept.items()}
+
+    @cached_property
+    def _bodies(self) -> MarchedBodies:
+        grid = grid_of(self.scene, self.nodes, self.shift)
+        return bodies_on(self.scene, self.motion, grid)
+
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known: that of nodes [length]."""
+        return self.scene.period / self.nodes
 
     @property
     def _weights(self) -> Array:
@@ -326,20 +343,6 @@ class Run(LineAnswer):
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
         return data
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint as HDF5; `Run.load` reads it, `run` continues it.
-
-        An earlier file of that name stays until the new one is complete.
-
-        Raises
-        ------
-        MissingLibraryError
-            If h5py is not installed.
-        DataFileError
-            If the file cannot be written.
-        """
-        write_answer(Path(path), FORMAT, self, compression=4)
-
     @classmethod
     def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Run:
         """Read a run that `save` wrote.
@@ -355,7 +358,7 @@ class Run(LineAnswer):
             of a scene with functions of Python, which is not given.
         """
         given: dict[str, Any] = {} if scene is None else {"scene": scene}
-        kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"
+        kept = Path(path), cls.saved_as, cls, "a file that this version saved", "compute it again"
         run = read_answer(*kept, **given)
         scene = run.scene
         laid, touching = grid_of(scene, run.nodes).x, scene.contact.touches(run.interface.x)

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.field.derived import strain
 from semianalytic.results.answer import (
     Answer,
     Array,
@@ -32,6 +33,10 @@ class Gridded:
 
     settings: Mapping[str, Any] = MappingProxyType({})
     """Settings of `solve` that were given for it."""
+    saved_as: ClassVar[str] = ""
+    """Format in which it is saved as it is; "" for an answer that is solved again."""
+    compression: ClassVar[int | None] = None
+    """Level of gzip with which it is then saved."""
 
     @property
     def has_bodies(self) -> bool:
@@ -40,7 +45,7 @@ class Gridded:
 
     def _unknown(self, what: str, instead: str) -> NoReturn:
         """Raise SceneError for a question that this answer cannot say anything about."""
-        raise SceneError(f"{what}: a {type(self).__name__} does not know it; {instead}.")
+        raise SceneError(f"{what}: a {type(self).__name__} does not contain it; {instead}.")
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the particle velocity; answers that know the bodies say it."""
@@ -50,12 +55,19 @@ class Gridded:
         """Refuse to say the stress in the bodies; answers that know the bodies say it."""
         self._unknown("stress", "ask for tractions of the interface")
 
+    def strain(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Refuse to say the strain in the bodies; answers that know the bodies say it."""
+        self._unknown("strain", "ask for tractions of the interface")
+
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the displacement in the bodies; answers that know the bodies say it."""
         self._unknown("displacement", "ask for slip and gap of the interface")
 
     def save(self: Any, path: str | Path) -> None:
-        """Write the scene and the settings of `solve` as HDF5, of which `sf.load` solves it again.
+        """Write the answer as HDF5: a march as it is, with all that continues it; of an exact one
+        the scene and the settings of `solve`, of which `sf.load` solves it again.
+
+        The file appears under its name only when it is complete; missing folders are made.
 
         Raises
         ------
@@ -66,7 +78,10 @@ class Gridded:
         """
         from semianalytic.results.saved import SOLVED, SavedScene, write_answer
 
-        write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
+        if self.saved_as:
+            write_answer(path, self.saved_as, self, compression=self.compression)
+        else:
+            write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
 
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:
         """Draw slip rate and tractions over x at a time, or the slip rate over (x, t).
@@ -168,6 +183,11 @@ class AnswerInBodies(Gridded):
         """Whether the answer knows the fields in the bodies, as it does."""
         return True
 
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known [length]."""
+        return 0.0
+
     if TYPE_CHECKING:  # what the classes have that inherit from this one
 
         @property
@@ -236,6 +256,21 @@ class AnswerInBodies(Gridded):
             u_x, u_y; in antiplane shear (3, ...), with u_z.
         """
         return np.asarray(self._bodies.displacement(x, y, t))
+
+    def strain(self: Any, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the change of strain since t = 0 anywhere in the bodies; parameters as `velocity`.
+
+        It follows from the change of stress by Hooke's law in plane strain.
+
+        Returns
+        -------
+        (3, ...) array
+            eps_xx, eps_yy, eps_xy, elongation positive; in antiplane shear (5, ...), with eps_xz
+            and eps_yz.  Shear strains are those of the tensor, half the engineering ones.
+        """
+        change = self.stress(x, y, t) - self.stress(x, y, 0.0 * np.asarray(t, dtype=float))
+        upper, lower = (strain(change, body) for body in self.scene.bodies)
+        return np.where(np.signbit(np.asarray(y, dtype=float)), lower, upper)
 
     @cached_property
     def field_error(self) -> float:

@@ -102,7 +102,9 @@ def field_errors(scene: sf.Scene, nodes: int) -> Row:
     end = 1 / scene.material.shear_speed
     marched, exact = reference(scene, end, nodes), sf.solve(scene)
     reach = 1.1 * scene.fastest_speed * end
-    at = *np.random.default_rng(1).uniform(-reach, reach, (2, POINTS)), end
+    x = np.random.default_rng(1).uniform(-reach, reach, (POINTS // 12, 12))
+    depths = reach * np.linspace(0.1, 1.0, 6)  # those of both bodies share their sums
+    at = x, np.concatenate([depths, -depths]), end
     errors: Row = {}
     for name in ("velocity", "stress", "displacement"):
         true, rest = getattr(exact, name)(*at), getattr(exact, name)(*at[:2], 0.0)
