@@ -276,7 +276,7 @@ class MarchedBodies:
 class MarchedAnswer(AnswerInBodies):
     """A march, whose companion on half the nodes indicates its errors.
 
-    Fields in the bodies follow from slip and opening of the whole line (docs/engine.md, "Fields in
+    Fields in the bodies follow from slip and opening of the whole line (docs/spacetime.md, "Fields in
     the bodies").  Points of one depth, or of one time, share most of the work.
     """
 
