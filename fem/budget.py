@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.plan import ANTIPLANE, ANTISYMMETRIC, Plan, make_plan
+from fem.plan import Plan, make_plan
 from fem.settings import LEAST_RESOLUTION, Settings
 from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
@@ -24,26 +24,21 @@ from semianalytic.scene.scene import Scene
 
 LIBRARIES = 10_000_000
 """Memory that does not depend on the mesh [bytes]."""
-ASSEMBLY = {"P1": 740, "Q1": 1000, "Q2": 1480}
+ASSEMBLY = {"squares": 1000, "triangles": 1500}
 """Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""
-TRIANGLE_ASSEMBLY = 1500
-"""Memory per unknown during assembly for unstructured triangles, integrated one by one [bytes]."""
-STEPPING = {"P1": 660, "Q1": 560, "Q2": 760}
+STEPPING = {"squares": 560, "triangles": 660}
 """Memory per unknown of the mesh while the bodies march, without histories [bytes]."""
 BODY = 56
 """Memory per unknown of each body [bytes]."""
-STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
+STEP_TIME = {"squares": 11e-9, "triangles": 9e-9}
 """Time per unknown and step, counting unknowns that do not move yet as well [s]."""
 STEP_OVERHEAD = 0.3e-3
 """Time per step that does not depend on the mesh [s]."""
-SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
-"""Time to mesh and to assemble, per unknown of a mesh of quadrilaterals [s]."""
-TRIANGLE_SETUP_TIME = 20e-6
-"""Time to mesh and assemble per unknown of unstructured triangles, most of it for the mesh [s]."""
+SETUP_TIME = {"squares": 1.3e-6, "triangles": 20e-6}
+"""Time to mesh and to assemble, per unknown [s]; of triangles most of it for the mesh."""
 FRAME_TIME = 0.8e-6
-"""Time per node of both blocks to write a frame [s]: 0.5e-6 with Q2, 0.7e-6 with Q1, 1.0e-6 with
-P1."""
-FRAME_SIZE = {"P1": (27, 40), "Q1": (16, 30), "Q2": (14, 19)}
+"""Time per node of both blocks to write a frame [s]: 0.7e-6 on squares, 1.0e-6 on triangles."""
+FRAME_SIZE = {"squares": (16, 30), "triangles": (27, 40)}
 """Size of a frame per node of both blocks at t = 0, and its increase per (t/T)^2 [bytes]."""
 HISTORY_SIZE = 0.5
 """Size of `simulation.h5` over that of the histories in memory, which it compresses."""
@@ -155,30 +150,28 @@ def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
 
 
 def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
-    element, frames = plan.settings.element, plan.settings.frames if plan.full else 0
-    mesh = max(map(len, plan.bodies)) * plan.nodes
+    mesh_kind, frames = plan.settings.mesh, plan.settings.frames if plan.full else 0
+    matrices = 1 if plan.is_half or len(set(plan.scene.bodies)) == 1 else 2
+    mesh = max(map(len, plan.bodies)) * plan.nodes * matrices // (1 if plan.is_half else 2)
     unknowns = sum(map(len, plan.bodies)) * plan.nodes
-    shown = plan.nodes * (1 if plan.blocks.lower else 2)
-    contact = plan.blocks.right * plan.family.spacing + 1
-    slot = min(round(plan.slot_length / plan.size), plan.blocks.left * plan.family.spacing)
+    shown = plan.nodes * (2 if plan.is_half else 1)
+    contact = plan.blocks.right + 1
+    slot = min(round(plan.slot_length / plan.size), plan.blocks.left)
     levels = math.ceil(steps / every) + 1
-    fields = 33 if plan.name in (ANTISYMMETRIC, ANTIPLANE) else 41  # with a gap where it may open
+    fields = 33 if plan.is_half else 41  # with a gap where it may open
     record = levels * (fields * contact + 16 * slot) + 72 * steps
     checkpoint = 16 * unknowns + record
-    least, growing = FRAME_SIZE[element]
+    least, growing = FRAME_SIZE[mesh_kind]
     grown = (frames + 1) * (2 * frames + 1) / (6 * frames) if frames else 0.0
     written = max(HISTORY_SIZE * record, checkpoint if checkpoints else 0)
-    assembly, setup = ASSEMBLY[element], SETUP_TIME[element]
-    if plan.blocks.pattern == "triangles":
-        assembly, setup = TRIANGLE_ASSEMBLY, TRIANGLE_SETUP_TIME
-    stepping = STEPPING[element] * mesh + BODY * unknowns + record + written
+    stepping = STEPPING[mesh_kind] * mesh + BODY * unknowns + record + written
     return Cost(
         nodes=plan.nodes,
         unknowns=unknowns,
         steps=steps,
-        memory=int(LIBRARIES + max(assembly * mesh, stepping)),
-        seconds=(STEP_TIME[element] * unknowns + STEP_OVERHEAD) * steps
-        + setup * mesh
+        memory=int(LIBRARIES + max(ASSEMBLY[mesh_kind] * mesh, stepping)),
+        seconds=(STEP_TIME[mesh_kind] * unknowns + STEP_OVERHEAD) * steps
+        + SETUP_TIME[mesh_kind] * mesh
         + FRAME_TIME * shown * frames,
         history=int(HISTORY_SIZE * record),
         frames=int(shown * (least * frames + growing * grown)),

@@ -23,7 +23,7 @@ from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.documents import scene_document
 
-FORMAT = "slipfront checkpoint 6"
+FORMAT = "slipfront checkpoint 7"
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Checkpoint:
             parts[part][name] = array
         for number, body in enumerate(model.bodies):
             body.restore(parts[f"body {number}"])
-        model.interface.restore(parts["interface"])
+        model.joint.restore(parts["interface"])
         record.restore(parts["record"])
 
 
@@ -53,7 +53,7 @@ def take_checkpoint(
 ) -> Checkpoint:
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     parts = {f"body {number}": body.state() for number, body in enumerate(model.bodies)}
-    parts |= {"interface": model.interface.sums(), "record": record.stored()}
+    parts |= {"interface": model.joint.sums(), "record": record.stored()}
     arrays = {f"{part}/{name}": one for part, own in parts.items() for name, one in own.items()}
     return Checkpoint(step, arrays, frames)
 
@@ -68,6 +68,7 @@ def run_identity(model: Model) -> dict[str, Any]:
         "scene": scene_document(plan.scene),
         "end_time": plan.end_time,
         **asdict(plan.settings),
+        "model": plan.name,
         "snapshots": plan.full,
         "time_step": model.time_step,
         "set of mesh nodes": mesh.hexdigest()[:16],

@@ -96,7 +96,6 @@ def _coarser(
         damping=simulation.damping,
         step_ratio=simulation.step_ratio,
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
-        element=simulation.element,
         mesh=simulation.mesh,
         every=max(1, kept * resolution // simulation.resolution),
     )

@@ -1,14 +1,16 @@
-"""The node pairs of the interface: unilateral contact and friction without a penalty.
+"""The joint of two bodies: node pairs with unilateral contact and friction without a penalty.
 
 A traction T per length on the faces of a pair with tributary length L and node masses m, m'
 (upper +T, lower -T) changes the relative increment by c T, c = dt^2 L (1/m + 1/m').  Conversely,
 the traction that brings a pair exactly to where it should be at the end of the step is known in
 advance, without iteration or penalty.
+
+Bodies carry changes only: tractions in place are not pushed, but do work on slip and opening.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -18,50 +20,47 @@ from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.laws.law import Law
 
 Array = NDArray[np.float64]
 
 
 class ContactFace(NamedTuple):
-    """One component of motion of a face: its body, unknowns there and roots of their masses.
+    """One component of motion of a face: its body, unknowns there, and what they add to the jump.
 
-    The sign is 1 for an upper face and -1 for a lower one.
+    The scale is one over the root of the mass of each unknown, with a sign: 1 for an upper face;
+    for a lower one, whose body is described by its mirror image, 1 across the interface and -1
+    along it.
     """
 
     body: MarchedBody
-    unknowns: NDArray[np.int64] | slice
-    root: Array
-    sign: float
+    unknowns: NDArray[np.int64]
+    scale: Array
 
 
 @dataclass(frozen=True)
 class FacePair:
-    """One component of motion of the two faces that meet on the contact.
+    """One component of motion of the two faces of a contact, or of a slot.
 
     They are the upper face, and the lower one unless it moves oppositely; with tributary lengths
-    (n,) or one [length], and a step dt [time].
+    (n,) [length], and a step dt [time].
     """
 
     faces: list[ContactFace]
-    length: float | Array
+    length: Array
     step: float
-
-    @property
-    def _times(self) -> float:
-        """A lower face that is not there moves oppositely: the jump is twice the upper motion."""
-        return 2.0 if len(self.faces) == 1 else 1.0
 
     @cached_property
     def compliance(self) -> Array:
         """Change c = dt^2 L (1/m + 1/m') of the relative increment per traction, (n,)."""
-        inertia = self._times * sum(1 / face.root**2 for face in self.faces)
+        # a lower face that is not there moves oppositely: the jump is twice the upper motion
+        inertia = (3 - len(self.faces)) * sum(face.scale**2 for face in self.faces)
         return np.asarray(self.step**2 * self.length * inertia)
 
     def _jump(self, name: str) -> Array:
         """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
-        parts = (one.sign * getattr(one.body, name)[one.unknowns] / one.root for one in self.faces)
-        return np.asarray(self._times * sum(parts))
+        upper, *lower = (getattr(one.body, name)[one.unknowns] * one.scale for one in self.faces)
+        return np.asarray(upper + lower[0] if lower else 2 * upper)
 
     def offset(self) -> Array:
         """Relative displacement, upper minus lower, (n,) [length]."""
@@ -82,14 +81,15 @@ class FacePair:
     def push(self, traction: Array, part: float) -> Array:
         """Apply a traction (n,) [stress] to the upper face, and its opposite to the lower one.
 
-        It acts for a part of a step.  The impulse (n,) is returned: times the mean increment it is
-        the work, times dt^2 as energies of bodies are.
+        It acts for a part of a step.  The force (n,) is returned, times that part: times the mean
+        increment it is the work.
         """
+        force = (part * self.length) * traction
         # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
-        impulse = part * (self.step**2 * self.length) * traction
+        change = self.step**2 * force
         for face in self.faces:
-            face.body.increment[face.unknowns] += face.sign * impulse / face.root
-        return impulse
+            face.body.increment[face.unknowns] += change * face.scale
+        return force
 
 
 def contact_pressure(gap: Array, increment: Array, base: float | Array, compliance: Array) -> Array:
@@ -114,20 +114,28 @@ OPEN = 2
 """State of a node where the sides do not touch."""
 
 
-class Carried(NamedTuple):
-    """The tractions that the uncut contact carries, to which what the bodies do is added [stress].
+class KickTractions(NamedTuple):
+    """The tractions of a kick that are known in advance [stress].
 
-    They are arrays (n,) under an incident wave that rises and falls.
+    Attributes
+    ----------
+    pressure, shear : float or (n,) arrays
+        Tractions that the contact would carry in uncut bodies.
+    along, across : float or (k,) arrays
+        Tractions on the upper slot face besides those in place, opposite on the lower one.
     """
 
     pressure: float | Array
     shear: float | Array
+    along: float | Array
+    across: float | Array
 
 
 class InterfaceWork(NamedTuple):
     """Work per unit thickness at the interface [stress length^2].
 
-    It is taken by friction and by closing gaps, and done by tractions in place on slip and opening.
+    It is taken by friction and by closing gaps, and done by tractions in place on slip and opening
+    and by those on the slot.
     """
 
     friction: float
@@ -135,28 +143,44 @@ class InterfaceWork(NamedTuple):
     external: float
 
 
-class MeshContact:
-    """The contact x >= 0 during a simulation: its present tractions, and the work done so far.
+class FaceMotion(NamedTuple):
+    """The motion of faces along the interface and across it, None where symmetry forbids it."""
+
+    sliding: FacePair | None
+    pressing: FacePair | None
+
+
+AT_ONCE = 1e-300
+"""Time in which friction without a delay follows the pressure of the first kick [time]."""
+
+
+class Joint:
+    """The contact and the slot during a simulation: present tractions, and the work done so far.
 
     Parameters
     ----------
-    scene : Scene
-        Friction and tractions in place.
-    length : (n,) array
-        Tributary lengths of the pairs [length].
-    sliding : FacePair or None
-        Motion along x; None where symmetry forbids slip.
-    pressing : FacePair or None
-        Motion along y; None where antisymmetry keeps the gap closed and the pressure as it was.
+    law : Law
+        Friction of the contact.
+    state : (n,) array
+        Its state at t = 0.
+    contact, slot : FaceMotion
+        Motion of the contact, and of slot faces.  Where the contact has no motion across the
+        interface, it stays closed and its pressure as it was.
+    tractions : callable
+        Tractions of the kick at a time level.
+    plate_rate : float
+        Slip rate of the bodies far away [length / time].
 
     Attributes
     ----------
-    held : Carried
-        Tractions in place at the next kick; `loading.ContactLoad` sets them where they change.
+    length : (n,) array
+        Tributary lengths of the pairs of the contact [length].
     pressure, shear : (n,) arrays
         Total tractions of the last kick, those in place included [stress].
+    felt : (n,) array
+        Pressure that friction follows at the last kick [stress].
     strength : (n,) array
-        Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
+        Largest shear traction at the last kick [stress]; 0 where open.
     path : (n,) array
         |slip| accumulated up to the time level of the last kick, also while open [length].
     offset : (n,) array
@@ -167,25 +191,28 @@ class MeshContact:
 
     def __init__(
         self,
-        scene: Scene,
-        length: Array,
-        sliding: FacePair | None,
-        pressing: FacePair | None,
+        law: Law,
+        state: Array,
+        contact: FaceMotion,
+        slot: FaceMotion,
+        tractions: Callable[[int], KickTractions],
+        pressure: float | Array,
+        plate_rate: float = 0.0,
     ) -> None:
-        self.scene, self.length = scene, length
-        self.sliding, self.pressing = sliding, pressing
-        in_place = scene.superposition.in_place
-        self.held = Carried(in_place.pressure, in_place.shear)
-        self.pressure = np.full(len(length), self.held.pressure)
-        self.shear = np.full(len(length), self.held.shear)
-        self.strength = scene.strength(self.pressure)
-        self.path = np.zeros(len(length))
-        self.offset = np.zeros(len(length))
+        self.law, self.state, self.tractions, self.plate_rate = law, state, tractions, plate_rate
+        (self.sliding, self.pressing), self.slot = contact, slot
+        pair = self.sliding or self.pressing
+        assert pair is not None
+        self.length, self.step = pair.length, pair.step
+        self.pressure = pressure + np.zeros(len(self.length))
+        self.felt = self.pressure.copy()
+        self.shear, self.strength, self.path, self.offset, self._rubbed = np.zeros(
+            (5, len(self.length))
+        )
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
-        self._rubbed = np.zeros(len(length))
 
-    def state(self) -> NDArray[np.int8]:
+    def states(self) -> NDArray[np.int8]:
         """State of each pair in the step after the last kick: STICK, FORWARD, BACKWARD or OPEN."""
         state = np.full(len(self.length), STICK, dtype=np.int8)
         if self.sliding is not None:
@@ -205,73 +232,97 @@ class MeshContact:
         return self._rubbed - self.shear * self.sliding.increment() / 2
 
     def sums(self) -> dict[str, Array]:
-        """The sums that the interface carries on; the arrays per node are its own, not copies."""
+        """What the joint carries on from kick to kick; arrays per node are its own, not copies."""
         work = np.array([self._friction, self._impact, self._external])
-        return {"work": work, "path": self.path, "friction": self._rubbed}
+        names = ("path", "state", "felt", "pressure")
+        return {"work": work, "friction": self._rubbed} | {n: getattr(self, n) for n in names}
 
     def restore(self, sums: Mapping[str, Array]) -> None:
         """Continue from the sums of another run of the same model, to the last bit."""
         self._friction, self._impact, self._external = sums["work"].tolist()
-        self.path[:], self._rubbed[:] = sums["path"], sums["friction"]
+        self._rubbed = sums["friction"]
+        for name in ("path", "state", "felt", "pressure"):
+            setattr(self, name, sums[name])
 
-    def act(self, part: float) -> None:
-        """Find the tractions of this kick, which act for a part of a step, and apply them.
+    def act(self, level: int, part: float) -> None:
+        """Find the tractions of the kick at a level, which act for a part of a step; apply them.
 
         Raises
         ------
         SceneError
             If friction falls with slip rate faster than a pair of nodes can radiate.
         """
+        known = self.tractions(level)
         self.work = InterfaceWork(self._friction, self._impact, self._external)
+        loaded = [
+            (faces, faces.push(np.asarray(traction), part))
+            for faces, traction in zip(self.slot, (known.along, known.across), strict=True)
+            if faces is not None
+        ]
+        before = self.pressure
         if self.pressing is not None:
-            self._press(self.pressing, part)
+            self._press(self.pressing, known.pressure, part)
         if self.sliding is not None:
-            self._slide(self.sliding, part)
+            self._follow(self.sliding, level, before)
+            self._slide(self.sliding, known.shear, part)
+        for faces, force in loaded:
+            self._external += float(force @ faces.mean_increment())
 
-    def _press(self, faces: FacePair, part: float) -> None:
+    def _press(self, faces: FacePair, in_place: float | Array, part: float) -> None:
         """Find the pressure of this kick, apply it and add up its work."""
-        held = self.held.pressure
         self.offset = faces.offset()
         self.pressure = contact_pressure(
-            self.offset, faces.increment(), held, part * faces.compliance
+            self.offset, faces.increment(), in_place, part * faces.compliance
         )
-        # the bodies carry changes only: the pressure in place is not pushed, but does external work
-        faces.push(self.pressure - held, part)
+        faces.push(self.pressure - in_place, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
-        self._external -= float(np.sum(work * held))
+        self._external -= float(np.sum(work * in_place))
+
+    def _follow(self, faces: FacePair, level: int, before: Array) -> None:
+        """Let path, state and pressure that friction follows evolve over the step before a kick.
+
+        The pressure before the loads changes at once to that of the first kick.
+        """
+        speed = np.abs(faces.past_increment() / self.step + self.plate_rate)
+        changing = before, self.pressure
+        if level:
+            self.path += self.step * speed
+            evolved = self.law.evolved_under(self.state, speed, self.step, *changing)
+            self.state = np.asarray(evolved)
+        time = self.step if level else AT_ONCE
+        self.felt = self.law.felt_pressure(self.felt, speed, time, *changing)
+
+    def _slide(self, faces: FacePair, in_place: float | Array, part: float) -> None:
+        """Find the shear traction of this kick, apply it and add up its work."""
+        moving, compliance = self.plate_rate * self.step, part * faces.compliance
+        stopping = in_place + (faces.increment() + moving) / compliance
+        self.strength = self._strength(np.abs(stopping), self.step / compliance)
+        # of the traction that stops the pair, what friction bears; slip that remains has its sense
+        self.shear = np.clip(stopping, -self.strength, self.strength)
+        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
+        faces.push(in_place - self.shear, part)
+        slip = part * faces.mean_increment()
+        rubbed = slip * self.shear
+        self._rubbed += rubbed
+        self._friction += float(self.length @ rubbed)
+        self._external += float(np.sum(self.length * slip * in_place))
 
     def _strength(self, stopping: Array, impedance: Array) -> Array:
-        """Return the strength at the slip rate of the step and the path so far (n,) [stress]."""
-        law = self.scene.law
+        """Return the strength at the slip rate of the step (n,) [stress]; 0 where open."""
+        law, felt, is_open = self.law, self.felt, self.pressure == 0
+        if self.pressing:  # an open pair does not rub, whatever its law says of a pressure of 0
+            felt = np.where(is_open, 1.0, felt)
         # steeper than that, a pair has several slip rates, or none, for one stopping traction
-        slope = self.pressure * law.fall_with_rate
-        worst = int(np.argmax(slope / impedance))
-        if slope[worst] >= impedance[worst]:
+        slope = felt * law.fall_with_rate
+        if (slope >= impedance).any():
+            worst = int(np.argmax(slope / impedance))
             raise SceneError(
                 "simulate: friction falls with slip rate faster than a node of the interface can "
                 f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, "
                 f"its impedance is {impedance[worst]:.4g}); raise the rate or the dynamic friction "
                 "of the law, or lower `step_ratio` (docs/limits.md)."
             )
-        speed = law.slip_speed(stopping, self.pressure, impedance, self.path)
-        return law.strength(self.pressure, speed, self.path)
-
-    def _slide(self, faces: FacePair, part: float) -> None:
-        """Find the shear traction of this kick, apply it and add up its work."""
-        held = self.held.shear
-        increment, compliance = faces.increment(), part * faces.compliance
-        self.path += np.abs(faces.past_increment())
-        stopping = held + increment / compliance
-        self.strength = self._strength(np.abs(stopping), faces.step / compliance)
-        if self.pressing is not None:
-            self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
-        # of the traction that stops the pair, what friction bears; slip that is left has its sense
-        self.shear = np.clip(stopping, -self.strength, self.strength)
-        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
-        faces.push(held - self.shear, part)
-        slip = part * faces.mean_increment()
-        rubbed = slip * self.shear
-        self._rubbed += rubbed
-        self._friction += float(self.length @ rubbed)
-        self._external += float(np.sum(self.length * slip * held))
+        speed = law.slip_speed(stopping, felt, impedance, self.state)
+        strength = law.strength(felt, speed, self.state)
+        return np.where(is_open, 0.0, strength) if self.pressing else strength

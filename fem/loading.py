@@ -12,14 +12,12 @@ front.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.interface import Carried, MeshContact
-from fem.stepping import MarchedBody
+from fem.interface import KickTractions
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
@@ -40,54 +38,6 @@ def _kick(level: ArrayLike, step: float) -> tuple[Array, Array]:
     return np.maximum(level - 0.5, 0.0) * step, (level + 0.5) * step
 
 
-def _spread_mean(history: LoadHistory, delay: Array, level: int, step: float) -> Array:
-    """Return the mean of f(t - p x) over a kick and over the places (k, n) of each node, (k,)."""
-    start, end = _kick(level, step)
-    return np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
-
-
-@dataclass(frozen=True)
-class SlotTractions:
-    """The load on a body as a function of time: shear along x or z, pressure along y.
-
-    The amplitude (k,) is dt^2 F / s on its loaded unknowns where f = 1, and means (2, m) are
-    factors of shear and pressure at each time level.
-    """
-
-    body: MarchedBody
-    amplitude: Array
-    means: Array
-
-    def set(self, level: int) -> None:
-        """Set the body's load to that of a time level."""
-        pressed = self.body.loaded % len(self.body.components)
-        self.body.load = self.amplitude * self.means[pressed, level]
-
-
-@dataclass(frozen=True)
-class FrontTractions:
-    """The load on a body whose front moves over the slot, f(t - p x).
-
-    The amplitude (k,) is dt^2 F / s on its loaded unknowns where f = 1, for the histories f of
-    shear and pressure.  Delays (k, n) are times p x >= 0 at which the front reaches places spread
-    over the part of the slot that each loaded unknown carries [time]; the step is dt [time].
-    """
-
-    body: MarchedBody
-    amplitude: Array
-    histories: tuple[LoadHistory, LoadHistory]
-    delay: Array
-    step: float
-
-    def set(self, level: int) -> None:
-        """Set the body's load to the mean of the load over the kick and over each node's part."""
-        shear, pressure = (
-            _spread_mean(history, self.delay, level, self.step) for history in self.histories
-        )
-        pressed = self.body.loaded % len(self.body.components) == 1
-        self.body.load = self.amplitude * np.where(pressed, pressure, shear)
-
-
 SPREAD = 8
 """Places in the part of the slot of a node over which a front is spread.  A load that moves at half
 of c_t enters node by node with 1, and the mesh rings: the error of slip rate at 50 cells is then
@@ -97,77 +47,68 @@ of c_t enters node by node with 1, and the mesh rings: the error of slip rate at
 def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
     """Return the times p x at which a front reaches the parts of nodes, (k, `SPREAD`).
 
-    Nodes are at x (k,) [length], in any order and any number of times, on the slot or the contact,
-    and the slowness p <= 0 [time / length].
+    Nodes are at x (k,) [length], increasing, on the slot or the contact, and the slowness p <= 0
+    [time / length].
     """
-    places, which = np.unique(x, return_inverse=True)
-    borders = np.concatenate([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
+    borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     share = (np.arange(SPREAD) + 0.5) / SPREAD
     within = borders[:-1, None] + np.diff(borders)[:, None] * share
     # the mesh's own edge lies beside x = 0, which the front reaches at t = 0
-    limited = np.maximum(within, 0.0) if contact else np.minimum(within, 0.0)
-    return slowness * limited[which]
+    return slowness * (np.maximum(within, 0.0) if contact else np.minimum(within, 0.0))
 
 
-@dataclass(frozen=True)
-class ContactLoad:
-    """The tractions of an incident wave on the uncut contact, f(t - p x), added to the base.
+class SceneTractions:
+    """The tractions of each kick under a scene's load, on its contact and slot.
 
-    The contact carries them besides what the simulation computes, which is what the slot scatters.
-    Delays (n, k) are times p x <= 0 at which the front reaches places spread over the part of each
-    node [time]; the step is dt [time].
+    Parameters
+    ----------
+    scene : Scene
+    step : float
+        dt [time].
+    steps : int
+        Number of kicks after the first one.
+    contact_x, slot_x : arrays
+        Positions of the nodes that bear tractions of the contact and of the slot [length].
     """
 
-    interface: MeshContact
-    scene: Scene
-    delay: Array
-    step: float
+    def __init__(
+        self, scene: Scene, step: float, steps: int, contact_x: Array, slot_x: Array
+    ) -> None:
+        self.step, self.before = step, scene.before_load
+        self.in_place, self.load = scene.superposition
+        self.histories = scene.shear_history, scene.pressure_history
+        slowness = scene.front_slowness
+        self.delay = front_delays(slot_x, slowness) if slowness else None
+        # an incident wave that is no step changes the tractions of the contact as well
+        arrives = scene.arrives and not scene.is_step
+        self.beyond = front_delays(contact_x, slowness, contact=True) if arrives else None
+        self.means = [kick_means(history, step, steps) for history in self.histories]
 
-    def set(self, level: int) -> None:
-        """Set the tractions to their mean over the kick of a time level and each node's part."""
-        base, load = self.scene.before_load, self.scene.superposition.taken_off
-        pressure, shear = (
-            _spread_mean(history, self.delay, level, self.step)
-            for history in (self.scene.pressure_history, self.scene.shear_history)
+    def __call__(self, level: int) -> KickTractions:
+        """Return the tractions of a kick, means over its time and over the part of each node."""
+        in_place, load = self.in_place, self.load
+        shear: float | Array
+        pressure: float | Array
+        shear, pressure = self.means[0][level], self.means[1][level]
+        if self.delay is not None:
+            shear, pressure = self._spread(self.delay, level)
+        along, across = load.shear * shear, -load.pressure * pressure
+        if self.beyond is None:
+            return KickTractions(in_place.pressure, in_place.shear, along, across)
+        shear, pressure = self._spread(self.beyond, level)
+        carried = (
+            self.before.pressure + load.pressure * pressure,
+            self.before.shear + load.shear * shear,
         )
-        self.interface.held = Carried(
-            base.pressure + load.pressure * pressure, base.shear + load.shear * shear
+        return KickTractions(*carried, along, across)
+
+    def _spread(self, delay: Array, level: int) -> tuple[Array, Array]:
+        """Return the means of both f(t - p x) over a kick and the places (k, n) of each node."""
+        start, end = _kick(level, self.step)
+        shear, pressure = (
+            np.asarray(one.mean(start - delay, end - delay).mean(axis=1)) for one in self.histories
         )
-
-
-def contact_loads(scene: Scene, interface: MeshContact, step: float, x: Array) -> list[ContactLoad]:
-    """Return what changes with time on the contact itself: an incident wave that is no step.
-
-    The contact's nodes are at x (n,) [length], and the step is dt [time].
-    """
-    if scene.is_step or not scene.arrives:
-        return []
-    delay = front_delays(x, scene.front_slowness, contact=True)
-    return [ContactLoad(interface, scene, delay, step)]
-
-
-def slot_loads(
-    scene: Scene,
-    bodies: list[MarchedBody],
-    step: float,
-    steps: int,
-    places: list[Array],
-) -> list[SlotTractions] | list[FrontTractions]:
-    """Return the loads of bodies that change with time; none if all are steps that come at once.
-
-    The `load` of each body is the amplitude, and places are the positions x of its loaded unknowns
-    (k,) [length]; the step is dt [time].
-    """
-    histories = (scene.shear_history, scene.pressure_history)
-    if scene.front_slowness:
-        return [
-            FrontTractions(body, body.load, histories, front_delays(x, scene.front_slowness), step)
-            for body, x in zip(bodies, places, strict=True)
-        ]
-    if scene.is_step:
-        return []
-    means = np.array([kick_means(history, step, steps) for history in histories])
-    return [SlotTractions(body, body.load, means) for body in bodies]
+        return shear, pressure
 
 
 class Arrived(NamedTuple):

@@ -1,113 +1,75 @@
-"""The model of a scene: bodies that march in time, and the faces that meet on the contact."""
+"""The model of a scene: bodies that march in time, and the faces that meet on the joint."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import product
 from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from fem.elements.assembly import (
-    IN_PLANE,
-    OUT_OF_PLANE,
-    STIFFNESS,
-    Space,
-    X,
-    Y,
-    Z,
-    lumped_mass,
-    make_space,
-    tributary_length,
-)
-from fem.interface import ContactFace, FacePair, MeshContact
-from fem.loading import ContactLoad, FrontTractions, SlotTractions, contact_loads, slot_loads
-from fem.plan import TWO_BLOCKS, Plan, make_plan
+from fem.elements.assembly import IN_PLANE, Space, X, Y, Z, tributary_length
+from fem.interface import FaceMotion, Joint
+from fem.loading import SceneTractions
+from fem.march import March, Walls, body_matrix, face_pair, half_window, unknowns_of
+from fem.plan import TWO_MATERIALS, Plan, make_plan
 from fem.settings import Settings
-from fem.stepping import MarchedBody, critical_step, highest_frequency, normalised
+from fem.stepping import MarchedBody, critical_step, highest_frequency
 from meshes import mesh_of
 from semianalytic.scene.scene import Scene
 
-BLOCKS = ("upper", "lower")
-
-RATE_WINDOW = 2.8
-"""Elements that a shear wave crosses in the time over which slip rates are averaged.  The surface
-of a mesh rings with about that period; the error of averaged slip rates is half of that of single
-steps (docs/fem.md)."""
+LAYER = 4
+"""Elements in a layer of nodes whose unknowns begin to move together."""
 
 
-@dataclass(frozen=True)
-class Numbering:
-    """Nodes sorted by the time the first wave can reach them.
-
-    Parameters
-    ----------
-    place : (n,) array
-        New number of each mesh node.
-    order : (n,) array
-        Mesh node behind each new number.
-    distance : (n,) array
-        Distance of each new number from what moves first [length], rounded down to layers a few
-        elements thick, in which the nodes keep the order they have in the mesh.
-    """
-
-    place: NDArray[np.int64]
-    order: NDArray[np.int64]
-    distance: NDArray[np.float64]
-
-    def unknowns(self, nodes: NDArray[np.int64], component: int) -> NDArray[np.int64]:
-        """Return the unknowns of one displacement component at mesh nodes."""
-        components = OUT_OF_PLANE if component == Z else IN_PLANE
-        return len(components) * self.place[nodes] + components.index(component)
-
-    def reached(self, distance: float) -> int:
-        """Return the number of leading nodes within a distance."""
-        return int(np.searchsorted(self.distance, distance, side="right"))
-
-
-def number_by_arrival(space: Space, size: float, *, slides: bool) -> Numbering:
+def number_by_arrival(
+    space: Space, size: float, *, slides: bool
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
-    The size is the distance of the nodes on the interface [length].  Where the interface slides
-    ahead of all waves of the edge, the distance is that from the whole line y = 0.
+    The size is that of elements [length].  Where the interface slides ahead of all waves of the
+    edge, the distance is that from the whole line y = 0.
+
+    Returns
+    -------
+    place : (n,) array
+        New number of each node.
+    distance : (n,) array
+        Distance of each new number from what moves first [length], rounded down to layers, in which
+        the nodes keep the order they have in the mesh.
     """
     x, y = space.points
     ahead = np.zeros_like(x) if slides else np.maximum(x, 0.0)
-    thickness = 4 * size
-    layers = np.floor(np.hypot(ahead, y) / thickness)
+    layers = np.floor(np.hypot(ahead, y) / (LAYER * size))
     order = np.argsort(layers, kind="stable")
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
-    return Numbering(place, order, layers[order] * thickness)
+    return place, layers[order] * LAYER * size
 
 
-@dataclass(frozen=True, eq=False)
-class Model:
-    """Mesh, bodies, interface and loads at rest, ready for one march in time.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model(March):
+    """Mesh, bodies and joint of a scene at rest, ready for one march in time.
 
     Attributes
     ----------
     plan : Plan
         Scene, options and what follows from them.
     space : Space
-        Mesh and nodes.
-    numbering : Numbering
-    bodies : list of MarchedBody
-        One or, in lockstep, two bodies on the same mesh; the motion is their sum.
-    loads : list of SlotTractions, FrontTractions or ContactLoad
-        Loads of the bodies, and of the contact, that change with time.
-    interface : MeshContact
+        Mesh and nodes of the upper block, whose mirror image is the lower one.
+    place : (n,) array
+        Number of each node in the bodies.
     contact_x, slot_x : arrays
         Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
     slot : (k,) array
-        Mesh nodes of the upper slot face.
-    critical_step, time_step : float
-        Largest stable step and the one taken [time].
+        Mesh nodes of the slot face.
+    critical_step : float
+        Largest stable step [time].
     steps : int
         Steps to the end time.
     half_window : int
@@ -126,15 +88,11 @@ class Model:
 
     plan: Plan
     space: Space
-    numbering: Numbering
-    bodies: list[MarchedBody]
-    loads: Sequence[SlotTractions | FrontTractions | ContactLoad]
-    interface: MeshContact
+    place: NDArray[np.int64]
     contact_x: NDArray[np.float64]
     slot_x: NDArray[np.float64]
     slot: NDArray[np.int64]
     critical_step: float
-    time_step: float
     steps: int
     half_window: int
     seconds: dict[str, float] = field(default_factory=dict)
@@ -143,14 +101,14 @@ class Model:
         return f"<Model: {self.plan.name}, {self.unknowns:,} unknowns, {self.steps} steps>"
 
     @property
-    def copies(self) -> int:
-        """Number of blocks that a body stands for: 2 for a half, 1 if both are in the mesh."""
-        return 2 if self.plan.halves else 1
+    def upper(self) -> list[MarchedBody]:
+        """Bodies of the upper block, one for each of `Plan.bodies`."""
+        return self.bodies[: len(self.plan.bodies)]
 
     @property
-    def unknowns(self) -> int:
-        """Number of unknowns of all bodies."""
-        return sum(len(body.root) for body in self.bodies)
+    def lower(self) -> list[MarchedBody]:
+        """Bodies of the lower block likewise; none where it moves oppositely."""
+        return self.bodies[len(self.plan.bodies) :]
 
 
 def prepare(
@@ -193,7 +151,7 @@ def build(plan: Plan) -> Model:
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
         mesh = mesh_of(plan.blocks).translated((plan.edge, 0.0))
-        space = make_space(mesh, plan.family)
+        space = Space(mesh)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)
     model.seconds.update(seconds)
@@ -209,142 +167,62 @@ def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
 
 
 def build_model(plan: Plan, space: Space) -> Model:
-    """Assemble the bodies of a plan on a mesh of the upper block or of both; choose the step."""
-    numbering = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
-    in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
-    mass = lumped_mass(space, in_mesh)[numbering.order]
+    """Assemble the bodies of a plan on a mesh of the upper block; choose the step."""
+    scene, damping_time = plan.scene, plan.damping_time
+    place, distance = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
+    solids = scene.bodies[: 1 if plan.is_half else 2]
     matrices = {
-        components: normalised(STIFFNESS[components](space, in_mesh, numbering.place), mass)
-        for components in dict.fromkeys(plan.bodies)
+        (solid, components): body_matrix(space, solid, components, place)
+        for solid, components in product(dict.fromkeys(solids), plan.bodies)
     }
     critical = plan.critical_step
-    if plan.blocks.pattern == "triangles":  # no patch has their fastest mode
+    if plan.settings.mesh == "triangles":  # no patch has their fastest mode
         highest = max(highest_frequency(matrix) for matrix, _ in matrices.values())
-        critical = critical_step(highest, plan.damping_time)
+        critical = critical_step(highest, damping_time)
     steps = plan.steps(critical)
     step = plan.end_time / steps
     for matrix, _ in matrices.values():
         matrix.data *= step**2
-
-    crossing = plan.size / plan.scene.material.shear_speed
-    half_window = max(1, round(RATE_WINDOW / 2 * crossing / step))
-
-    parts = _Parts(plan.scene, space, numbering, matrices, step, plan.damping_time)
-    bodies, sliding, pressing = parts.put_together(plan)
-    slot_nodes, _ = tributary_length(space, "upper_slot")
-    contact_nodes, length = tributary_length(space, "upper_contact")
-    slot = slot_nodes[:-1]
-    places = [
-        space.points[0, numbering.order[body.loaded // len(body.components)]] for body in bodies
+    arrival = (distance - plan.forerun) / scene.fastest_speed
+    bodies = [
+        MarchedBody(components, *matrices[solid, components], damping_time / step, arrival)
+        for solid, components in product(solids, plan.bodies)
     ]
-    interface = MeshContact(plan.scene, length, sliding, pressing)
-    contact_x, end = space.points[0, contact_nodes], steps + half_window
+
+    def motion(side: str) -> FaceMotion:
+        """Return the motion of faces along and across the interface."""
+        nodes, length = tributary_length(space, side)
+        pairs = []
+        for component in (Z if scene.antiplane else X, Y):
+            moving = [body for body in bodies if component in body.components]
+            held = not moving or (component == Y and plan.is_half)
+            pairs.append(None if held else face_pair(moving, place[nodes], length, step, component))
+        return FaceMotion(*pairs)
+
+    contact_nodes, slot_nodes = space.side_nodes("contact"), space.side_nodes("slot")
+    contact_x, slot_x = (space.points[0, nodes] for nodes in (contact_nodes, slot_nodes))
+    window = half_window(plan.size, scene.material.shear_speed, step)
+    tractions = SceneTractions(scene, step, steps + window, contact_x, slot_x)
+    pressure, state = scene.superposition.in_place.pressure, np.zeros(len(contact_x))
+    joint = Joint(scene.law, state, motion("contact"), motion("slot"), tractions, pressure)
+    walls = None
+    if plan.name != TWO_MATERIALS and IN_PLANE in plan.bodies:
+        nodes = place[np.concatenate([space.side_nodes(side) for side in ("left", "right")])]
+        moving = [body for body in bodies if body.components == IN_PLANE]
+        walls = Walls(moving, *(unknowns_of(nodes, one, IN_PLANE) for one in IN_PLANE))
     return Model(
+        bodies=bodies,
+        joint=joint,
+        time_step=step,
+        copies=2 if plan.is_half else 1,
+        walls=walls,
         plan=plan,
         space=space,
-        numbering=numbering,
-        bodies=bodies,
-        loads=[
-            *slot_loads(plan.scene, bodies, step, end, places),
-            *contact_loads(plan.scene, interface, step, contact_x),
-        ],
-        interface=interface,
+        place=place,
         contact_x=contact_x,
-        slot_x=space.points[0, slot],
-        slot=slot,
+        slot_x=slot_x[:-1],
+        slot=slot_nodes[:-1],
         critical_step=critical,
-        time_step=step,
         steps=steps,
-        half_window=half_window,
+        half_window=window,
     )
-
-
-@dataclass(frozen=True)
-class _Parts:
-    """The parts from which `build_model` makes bodies and faces."""
-
-    scene: Scene
-    space: Space
-    numbering: Numbering
-    matrices: dict[tuple[int, ...], tuple[sparse.csr_array, NDArray[np.float64]]]
-    step: float
-    damping_time: float
-
-    def put_together(
-        self, plan: Plan
-    ) -> tuple[list[MarchedBody], FacePair | None, FacePair | None]:
-        """Make the bodies, and the faces that slide and that press, where symmetry allows it."""
-        meeting: tuple[str, ...] = BLOCKS
-        if plan.halves:
-            halves = {i: self.half(i) for i in plan.halves}
-            bodies, meeting = list(halves.values()), ("upper",)
-        else:
-            walls = plan.name == TWO_BLOCKS
-            bodies = [self.two_blocks(one, walls) for one in plan.bodies]
-            halves = {i: body for body in bodies for i in body.components}
-        faces = {i: self.faces(body, i, meeting) for i, body in halves.items()}
-        return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)
-
-    def half(self, component: int) -> MarchedBody:
-        """Make the upper block, moved by slot tractions along one component; walls hold the other.
-
-        In antiplane shear walls are free, since plane waves pass along free walls.
-        """
-        loaded, load = self._slot_load("upper", component)
-        if component == Z:
-            return self._body(OUT_OF_PLANE, loaded, load)
-        walls = np.concatenate([self._wall("upper", side) for side in ("left", "right")])
-        held = self.numbering.unknowns(walls, 1 - component)
-        return self._body(IN_PLANE, loaded, load, held=held)
-
-    def two_blocks(self, components: tuple[int, ...], walls: bool) -> MarchedBody:
-        """Make both blocks; their walls are free, or as in the halves if the materials are equal.
-
-        As in the halves, mirror nodes of the walls move oppositely, which is u_y = 0 for the
-        antisymmetric part of the motion and u_x = 0 for the symmetric one.
-        """
-        loads = [self._slot_load(block, i) for block in BLOCKS for i in components]
-        mirrored = [
-            [self.numbering.unknowns(self._wall(block, side), i) for block in BLOCKS]
-            for side in ("left", "right")
-            for i in components
-        ]
-        loaded, load = (np.concatenate(parts) for parts in zip(*loads, strict=True))
-        walled = walls and components == IN_PLANE
-        held = {"mirrored": np.concatenate(mirrored, axis=1)} if walled else {}
-        return self._body(components, loaded, load, **held)
-
-    def faces(self, body: MarchedBody, component: int, blocks: tuple[str, ...]) -> FacePair:
-        """Make the contact faces of the named blocks for one component of motion."""
-        faces = []
-        for block, sign in zip(blocks, (1.0, -1.0), strict=False):
-            nodes, length = tributary_length(self.space, f"{block}_contact")
-            unknowns = self.numbering.unknowns(nodes, component)
-            faces.append(ContactFace(body, unknowns, body.root[unknowns], sign))
-        return FacePair(faces, length, self.step)
-
-    def _slot_load(
-        self, block: str, component: int
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the unknowns on a slot face and the forces on them at f = 1, of (Q_0, -P_0)."""
-        nodes, length = tributary_length(self.space, f"{block}_slot")
-        load = self.scene.superposition.taken_off
-        tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
-        sign = 1 if block == "upper" else -1
-        force = sign * tractions.get(component, 0.0) * length
-        return self.numbering.unknowns(nodes, component), force
-
-    def _wall(self, block: str, side: str) -> NDArray[np.int64]:
-        """Return the nodes of a side wall, from the interface outwards."""
-        return self.space.side_nodes(f"{block}_{side}")
-
-    def _body(
-        self,
-        components: tuple[int, ...],
-        loaded: NDArray[np.int64],
-        load: NDArray[np.float64],
-        **walls: NDArray[np.int64],
-    ) -> MarchedBody:
-        matrix, root = self.matrices[components]
-        damping, load = self.damping_time / self.step, self.step**2 * load / root[loaded]
-        return MarchedBody(components, matrix, root, damping, loaded, load, **walls)

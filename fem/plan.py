@@ -10,12 +10,9 @@ from itertools import product
 from os import PathLike
 from typing import Any
 
-import numpy as np
-
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, X, Y, Z
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE
 from fem.elements.edge import edge_offset
-from fem.elements.families import Family, find_family
-from fem.patch import PATCH, highest_of_patch
+from fem.march import highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
 from fem.settings import Settings
 from fem.stepping import critical_step
@@ -28,34 +25,20 @@ from semianalytic.scene.given.finding import checked_scene
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene
 
-TRIANGLES = 1.156
-"""Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
+TRIANGLES, TRIANGLE_STEP = 1.156, 0.67
+"""Measured ratios of an unstructured mesh to squares of the same side: of the nodes, and of the
+critical step, which was 0.61 to 0.74."""
 ANTISYMMETRIC = "antisymmetric half"
-SYMMETRIC = "symmetric half"
-LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
 ANTIPLANE = "antiplane half"
-ANTIPLANE_LOCKSTEP = "antiplane and symmetric halves in lockstep"
 TWO_BLOCKS = "two blocks"
 TWO_MATERIALS = "two blocks of different materials"
-
-HALVES: Mapping[str, tuple[int, ...]] = {
-    ANTISYMMETRIC: (X,),
-    SYMMETRIC: (Y,),
-    LOCKSTEP: (X, Y),
-    ANTIPLANE: (Z,),
-    ANTIPLANE_LOCKSTEP: (Z, Y),
-}
-"""The displacement component that changes sign from the upper block to the lower one, for each half
-of a model; the other component is the same in both."""
 
 
 def choose_model(scene: Scene, model: str) -> str:
     """Return the name of the model that a scene needs.
 
-    Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
-    the pressure; under pressure alone it is symmetric.  Two identical blocks under both are
-    the sum of the two: slip feels the pressure, the pressure does not feel the slip.  Antiplane
-    shear moves along z alone, oppositely in the two blocks.
+    Under shear alone identical blocks move oppositely (u_x and u_z odd in y, u_y even), and the
+    pressure stays as it was: one of them is enough.
 
     Parameters
     ----------
@@ -67,12 +50,9 @@ def choose_model(scene: Scene, model: str) -> str:
         return TWO_MATERIALS
     if model == "two-blocks":
         return TWO_BLOCKS
-    held, load = scene.superposition
-    if load.pressure == 0:
-        return ANTIPLANE if scene.antiplane else ANTISYMMETRIC
-    if load.shear == 0 == held.shear:
-        return SYMMETRIC
-    return ANTIPLANE_LOCKSTEP if scene.antiplane else LOCKSTEP
+    if scene.superposition.taken_off.pressure != 0:
+        return TWO_BLOCKS
+    return ANTIPLANE if scene.antiplane else ANTISYMMETRIC
 
 
 @dataclass(frozen=True)
@@ -94,8 +74,8 @@ class Plan:
     ------
     SceneError
         If the end time is out of range, a load swings faster than the mesh can follow, the mesh
-        would be too large, the element does not fit the mesh, or different materials slide ahead
-        of all waves, or slip along z while pressure makes them slip along x.
+        would be too large, or different materials slide ahead of all waves, or slip along z while
+        pressure makes them slip along x.
     """
 
     scene: Scene
@@ -119,7 +99,7 @@ class Plan:
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
                 "raise friction or lower the shear of the load (docs/limits.md)."
             )
-        if self.name == TWO_MATERIALS and self.scene.antiplane and self._pressed:
+        if self.name == TWO_MATERIALS and self.scene.antiplane and self.is_pressed:
             raise SceneError(
                 "simulate: blocks of different materials slip along x as well where their "
                 "pressure changes; keep the pressure of antiplane shear constant "
@@ -132,31 +112,24 @@ class Plan:
         return wave_slips_ahead(self.scene, self.end_time)
 
     @property
-    def materials(self) -> dict[str, Material]:
-        """Materials of the upper and of the lower block."""
-        return dict(zip(("upper", "lower"), self.scene.bodies, strict=True))
-
-    @property
     def name(self) -> str:
         """Name of the model."""
         return choose_model(self.scene, self.settings.model)
 
     @property
-    def halves(self) -> tuple[int, ...]:
-        """The component of `HALVES` for each body; none if both blocks are in the mesh."""
-        return HALVES.get(self.name, ())
+    def is_half(self) -> bool:
+        """Whether the upper block alone marches."""
+        return self.name in (ANTISYMMETRIC, ANTIPLANE)
 
     @property
     def bodies(self) -> tuple[tuple[int, ...], ...]:
-        """Displacement components of each body that marches on the mesh."""
-        if self.halves:
-            return tuple(OUT_OF_PLANE if one == Z else IN_PLANE for one in self.halves)
+        """Displacement components of each body that marches in each block."""
         if not self.scene.antiplane:
             return (IN_PLANE,)
-        return (OUT_OF_PLANE, IN_PLANE) if self._pressed else (OUT_OF_PLANE,)
+        return (OUT_OF_PLANE, IN_PLANE) if self.is_pressed else (OUT_OF_PLANE,)
 
     @property
-    def _pressed(self) -> bool:
+    def is_pressed(self) -> bool:
         """Whether pressure acts on the slot."""
         return self.scene.superposition.taken_off.pressure != 0
 
@@ -170,12 +143,11 @@ class Plan:
         """Position of the edge node [length]: beside x = 0 if the slot is pressed.
 
         `fem.elements.edge` says where.  It is at x = 0 under shear alone, where the edge slips, and
-        for meshes whose offset is not known: those of Q2, and unstructured ones.
+        for unstructured meshes, whose offset is not known.
         """
-        family, pattern = self.family, self.settings.mesh
-        if not self._pressed or family.spacing > 1 or pattern == "triangles":
+        if not self.is_pressed or self.settings.mesh == "triangles":
             return 0.0
-        return self.size * edge_offset(self.materials.values(), family)
+        return self.size * edge_offset(self.scene.bodies)
 
     @property
     def damping_time(self) -> float:
@@ -188,25 +160,19 @@ class Plan:
         return causal_margin(self.scene.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
-    def family(self) -> Family:
-        """Element family."""
-        return find_family(self.settings.element, self.settings.mesh)
-
-    @property
     def slot_length(self) -> float:
         """Length of slot next to the edge that is stored [length]."""
         return observed_slot(self.scene.fastest_speed, self.end_time, full=self.full)
 
     @property
     def blocks(self) -> Blocks:
-        """The blocks that are meshed."""
+        """The rectangle that is meshed."""
         return causal_blocks(
             self.scene.fastest_speed,
             self.end_time,
-            self.size * self.family.spacing,
+            self.size,
             damping_time=self.damping_time,
             full=self.full,
-            lower=not self.halves,
             # the walls let plane waves pass that come at once, and disturb those of a moving front
             free_walls=self.name == TWO_MATERIALS or self.scene.front_slowness != 0,
             pattern=self.settings.mesh,
@@ -214,11 +180,9 @@ class Plan:
 
     @property
     def nodes(self) -> int:
-        """Number of nodes of the mesh; an estimate for unstructured triangles."""
-        blocks, spacing = self.blocks, self.family.spacing
-        columns = (blocks.left + blocks.right) * spacing + 1
-        count = len(blocks.names) * columns * (blocks.height * spacing + 1)
-        return round(TRIANGLES * count) if blocks.pattern == "triangles" else count
+        """Number of nodes of all blocks; an estimate for unstructured triangles."""
+        count = self.blocks.nodes * (1 if self.is_half else 2)
+        return round(TRIANGLES * count) if self.settings.mesh == "triangles" else count
 
     @property
     def caution(self) -> str:
@@ -231,18 +195,14 @@ class Plan:
 
         `highest_of_patch` says why a patch of the mesh tells it.
         """
-        blocks, settings = self.blocks, self.settings
-        rows = tuple(np.round(blocks.rows[: PATCH + 1] / blocks.size, 12).tolist())
-        kinds = product(dict.fromkeys(self.materials.values()), dict.fromkeys(self.bodies))
+        kinds = product(dict.fromkeys(self.scene.bodies), dict.fromkeys(self.bodies))
         highest = max(
-            material.shear_speed
-            * _highest_of_patch(
-                settings.element, settings.mesh, rows, material.poisson_ratio, components
-            )
+            material.shear_speed * _highest_of_patch(material.poisson_ratio, components)
             for material, components in kinds
         )
         # The step shortens as the frequency rises, whatever the damping.
-        return critical_step(highest / blocks.size, self.damping_time)
+        step = critical_step(highest / self.size, self.damping_time)
+        return TRIANGLE_STEP * step if self.settings.mesh == "triangles" else step
 
     def steps(self, critical: float | None = None) -> int:
         """Number of steps to the end time, from another critical step if one is given [time]."""
@@ -251,16 +211,9 @@ class Plan:
 
 
 @lru_cache(maxsize=64)
-def _highest_of_patch(
-    element: str,
-    mesh: str,
-    rows: tuple[float, ...],
-    poisson_ratio: float,
-    components: tuple[int, ...],
-) -> float:
-    """Return the largest eigenfrequency of a patch with rows in element sides [c_t / side]."""
-    x, solid = np.arange(PATCH + 1.0), Material(1.0, 1.0, poisson_ratio)
-    return highest_of_patch(x, np.array(rows), find_family(element, mesh), solid, components)
+def _highest_of_patch(poisson_ratio: float, components: tuple[int, ...]) -> float:
+    """Return the largest eigenfrequency of a patch of squares [c_t / side]."""
+    return highest_of_patch(1.0, Material(1.0, 1.0, poisson_ratio), components)
 
 
 def _check_front(scene: Scene, end_time: float) -> None:

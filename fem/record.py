@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fem.elements.assembly import X, Y, Z
 from fem.loading import arrived_wave
+from fem.march import unknowns_of
 from fem.model import Model
 from fem.results import ContactOpening, EnergyHistory, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
@@ -45,10 +46,10 @@ class MeshRecord:
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
-        rows_of = {Z if plan.scene.antiplane else X: 0, Y: 1}
+        rows_of, numbers = {Z if plan.scene.antiplane else X: 0, Y: 1}, model.place[nodes_on_slot]
         self._slot = [
-            (body, rows_of[component], model.numbering.unknowns(nodes_on_slot, component))
-            for body in model.bodies
+            (body, rows_of[component], unknowns_of(numbers, component, body.components))
+            for body in model.upper
             for component in body.components
             if component in rows_of
         ]
@@ -73,28 +74,28 @@ class MeshRecord:
         if step > self.model.steps:
             return
         if step:
-            self._energy[:, step] = self._energies()
+            self._energy[:, step] = self.model.energies()
             self._totals[:, step] = self._sums()
-        offset = self.model.interface.offset[SEEN]
+        offset = self.model.joint.offset[SEEN]
         gap = np.where(offset > self._least_gap, offset, 0.0)
         if gap.any():
             self._note_opening(step, gap)
         if step == self._levels[self._row]:
             self._store(step, gap)
         if step == self.model.steps:
-            interface = self.model.interface
-            self._final[:] = interface.path[SEEN], interface.work_density()[SEEN]
+            joint = self.model.joint
+            self._final[:] = joint.path[SEEN], joint.work_density()[SEEN]
 
     def _store(self, step: int, gap: NDArray[np.float64]) -> None:
-        interface, row, dt = self.model.interface, self._row, self.model.time_step
+        joint, row, dt = self.model.joint, self._row, self.model.time_step
         slip, _, shear, pressure = self._interface[:, row]
-        shear[:], pressure[:] = interface.shear[SEEN], interface.pressure[SEEN]
-        self._state[row] = interface.state()[SEEN]
+        shear[:], pressure[:] = joint.shear[SEEN], joint.pressure[SEEN]
+        self._state[row] = joint.states()[SEEN]
         if gap.any():
             self._gap[row] = gap
         if step:
-            if interface.sliding is not None:
-                slip[:] = interface.sliding.offset()[SEEN]
+            if joint.sliding is not None:
+                slip[:] = joint.sliding.offset()[SEEN]
             for body, along, slot in self._slot:
                 increments = body.before[slot] + body.increment[slot]
                 self._velocity[along, row] += increments / (2 * dt * body.root[slot])
@@ -106,7 +107,7 @@ class MeshRecord:
         The window of a level n is from n - k to n + k, k being the model's half window or, soon
         after the start, n.
         """
-        sliding, half = self.model.interface.sliding, self.model.half_window
+        sliding, half = self.model.joint.sliding, self.model.half_window
         if sliding is None:
             return
         slip, rates = sliding.offset()[SEEN], self._interface[1]
@@ -119,30 +120,23 @@ class MeshRecord:
         for row in np.flatnonzero(self._levels == step + half):
             rates[row] = slip
 
-    def _energies(self) -> NDArray[np.float64]:
-        """Return the energies in the middle of the past step, in the order of `EnergyHistory`."""
-        bodies = np.sum([body.energy for body in self.model.bodies], axis=0)
-        kinetic, strain, damping, load = bodies * self.model.copies / self.model.time_step**2
-        friction, impact, base = self.model.interface.work
-        return np.array([kinetic, strain, friction, damping, load + base, impact])
-
     def _sums(self) -> NDArray[np.float64]:
         """Return the totals of the contact at this level, in the order of `Totals`."""
-        interface, length = self.model.interface, self.model.interface.length
-        if interface.sliding is None:
+        joint, length = self.model.joint, self.model.joint.length
+        if joint.sliding is None:
             return np.zeros(3)
-        slip = interface.sliding.offset()[SEEN]
+        slip = joint.sliding.offset()[SEEN]
         return np.array(
             [
                 np.abs(slip).max(),
-                length @ interface.path,
-                length @ interface.work_density(),
+                length @ joint.path,
+                length @ joint.work_density(),
             ]
         )
 
     def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
         """Record a gap, (n,), that is open somewhere."""
-        x, length = self.model.contact_x[SEEN], self.model.interface.length
+        x, length = self.model.contact_x[SEEN], self.model.joint.length
         lengths = length[SEEN].copy()
         lengths[0] += length[0]  # the edge node counts as its neighbour does
         widest = int(np.argmax(gap))

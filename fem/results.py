@@ -19,7 +19,7 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 11"
+FORMAT = "slipfront simulation 12"
 FILE_NAME = "simulation.h5"
 
 
@@ -154,8 +154,8 @@ class Simulation(SampledAnswer):
         Distance h of the nodes on the interface [length].
     damping : float
         eta of the damping C = eta K, in units of h / c_t.
-    element, mesh : str
-        Element family and mesh pattern.
+    mesh : str
+        Mesh pattern.
     model : str
         Model that was simulated, e.g. "antisymmetric half".
     step_ratio : float
@@ -227,7 +227,6 @@ class Simulation(SampledAnswer):
     resolution: int
     element_size: float
     damping: float
-    element: str
     mesh: str
     model: str
     step_ratio: float

@@ -33,12 +33,9 @@ class Settings:
         to 1.5 is accepted to show it.
     model : str
         "auto" uses one block where symmetry allows it, which is exact; "two-blocks" never does.
-    element : str
-        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
-        diagonal mass.
     mesh : str
-        "squares"; "graded", rows that grow away from the interface; or "triangles",
-        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
+        "squares", bilinear, or "triangles", linear on an unstructured mesh; both have a diagonal
+        mass matrix.
     every : int
         Store every n-th step in the histories; the last one is always stored.
     frames : int
@@ -53,7 +50,7 @@ class Settings:
     --------
     >>> from fem import Settings, simulate
     >>> from semianalytic import find
-    >>> settings = Settings(resolution=8, element="P1", mesh="triangles")
+    >>> settings = Settings(resolution=8, mesh="triangles")
     >>> settings.resolution, settings.every
     (8, 1)
     """
@@ -62,7 +59,6 @@ class Settings:
     damping: float = 0.02
     step_ratio: float = 0.95
     model: str = "auto"
-    element: str = "Q1"
     mesh: str = "squares"
     every: int = 1
     frames: int = 10

@@ -17,17 +17,14 @@ from meshio.vtu import _vtu
 from numpy.typing import NDArray
 
 from fem.budget import free_space
-from fem.elements.assembly import X, Y, Z
 from fem.loading import arrived_wave
 from fem.model import Model
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"
-CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
+CELLS = {"squares": "quad", "triangles": "triangle"}
 """VTK's names of the elements, whose nodes scikit-fem puts in the same order."""
-MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
-"""Order of the nodes of an element that makes its mirror image counter-clockwise again."""
 PRECISION = np.float32
 """Type of the fields in a frame.  Its rounding, 6e-8, is far below the errors of any mesh; in
 double precision a frame is 1.7 times as large and takes 1.7 times as long to write and to read."""
@@ -96,7 +93,7 @@ class Snapshots:
         points, cells = both_blocks(model)
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         # nodes are fewer than 2^31; their numbers in 32 bits are written in two thirds of the time
-        self._cells = [(CELLS[model.space.family.name], cells.T.astype(np.int32))]
+        self._cells = [(CELLS[model.plan.settings.mesh], cells.T.astype(np.int32))]
         self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
         self.missing, self.failed = "", False
         due = sum(level < started for level in self._levels)
@@ -157,14 +154,14 @@ class Snapshots:
     ) -> dict[str, NDArray[np.float64]]:
         """Return the stress at the centre of each element under what the slot scatters, the base
         and an incident wave."""
-        materials, scene = self.model.plan.materials, self.model.plan.scene
+        scene = self.model.plan.scene
         antiplane, centres = scene.antiplane, self._points[self._cells[0][1], :2].mean(axis=1)
         wave = arrived_wave(scene, centres[:, 0], centres[:, 1], time)
         held = scene.superposition.in_place if wave is None else scene.base
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
         lower = centres[:, 1] < 0
         mu, bulk = (
-            np.where(lower, *(value(materials[name]) for name in ("lower", "upper")))
+            np.where(lower, *(value(body) for body in reversed(scene.bodies)))
             for value in (
                 lambda material: material.shear_modulus,
                 lambda material: material.density * material.longitudinal_speed**2,
@@ -301,12 +298,11 @@ def forget_other_frames(directory: Path, run: str) -> None:
 def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the positions (2, n) of the nodes of both blocks, and each element's nodes (k, m).
 
-    The mirror image of a half is added; its nodes and elements come last.
+    The lower block, the mirror image of the upper one, comes last.
     """
     points, cells = model.space.points, model.space.element_nodes
-    if not model.plan.halves:
-        return points, cells
-    mirrored = cells[MIRRORED[model.space.family.name]] + points.shape[1]
+    # its nodes the other way round, so that they are counter-clockwise again
+    mirrored = cells[[0, *range(len(cells) - 1, 0, -1)]] + points.shape[1]
     return (
         np.concatenate([points, points * [[1], [-1]]], axis=1),
         np.concatenate([cells, mirrored], axis=1),
@@ -314,20 +310,14 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the vectors (n or 2 n, 3) at the nodes of `both_blocks`.
+    """Return the vectors (n, 3) at the nodes of `both_blocks`.
 
     They come from the mass-normalised unknowns of each body.
     """
-    fields = []
-    for body, values in zip(model.bodies, unknowns, strict=True):
-        vectors = np.zeros((len(model.numbering.place), 3))
+    blocks = np.zeros((2, len(model.place), 3))
+    for number, (body, values) in enumerate(zip(model.bodies, unknowns, strict=True)):
         own = (values / body.root).reshape(-1, len(body.components))
-        vectors[:, body.components] = own[model.numbering.place]
-        fields.append(vectors)
-    upper = np.sum(fields, axis=0)
-    if not model.plan.halves:
-        return upper
-    lower = np.zeros_like(upper)
-    for odd, vectors in zip(model.plan.halves, fields, strict=True):
-        lower += vectors * [-1 if i == odd else 1 for i in (X, Y, Z)]
-    return np.concatenate([upper, lower])
+        blocks[number // len(model.upper)][:, body.components] += own[model.place]
+    upper, lower = blocks if model.lower else (blocks[0], -blocks[0])
+    # lower bodies are described by their mirror images
+    return np.concatenate([upper, lower * [1, -1, 1]])

@@ -71,12 +71,11 @@ STRIP = 65536
 
 
 class BodyEnergy(NamedTuple):
-    """Energies of a body, each times dt^2, in the middle of a step; the last two are work."""
+    """Energies of a body, each times dt^2, in the middle of a step; the last is work."""
 
     kinetic: float
     strain: float
     damping: float
-    external: float
 
 
 @dataclass
@@ -84,7 +83,8 @@ class MarchedBody:
     """An elastic body that marches in time.
 
     The nodes are in order of arrival: only the first `active` unknowns move, all others are
-    still at rest, and the product takes only the leading rows of the matrix.
+    still at rest, and the product takes only the leading rows of the matrix.  A lower body is
+    described by its mirror image on y > 0.
 
     Parameters
     ----------
@@ -97,14 +97,12 @@ class MarchedBody:
         s, square roots of the masses of the unknowns.
     damping : float
         eta / dt.
-    loaded : (k,) array
-        Unknowns under a load.
-    load : (k,) array
-        dt^2 F / s of the load on them at this time level.
-    held : (j,) array
-        Unknowns held at zero by a wall.
-    mirrored : (2, j) array
-        Pairs of unknowns with equal mass that a wall makes move oppositely.
+    arrival : (nodes,) array
+        Times from which the nodes may move, increasing [time].
+    absorbing : (k,) array
+        Unknowns of sides that absorb plane waves by dashpots.
+    absorption : (k,) array
+        c dt / (2 m) of these unknowns, c being the dashpot of each [mass / time].
 
     Attributes
     ----------
@@ -122,28 +120,28 @@ class MarchedBody:
     matrix: sparse.csr_array
     root: NDArray[np.float64]
     damping: float
-    loaded: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    load: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
-    held: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    mirrored: NDArray[np.int64] = field(default_factory=lambda: np.empty((2, 0), dtype=np.int64))
+    arrival: NDArray[np.float64]
+    absorbing: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    absorption: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         unknowns = self.matrix.shape[0]
         self.displacement = np.zeros(unknowns)
         self.before = np.zeros(unknowns)
         self.increment = np.zeros(unknowns)
-        self.energy = BodyEnergy(0.0, 0.0, 0.0, 0.0)
+        self.energy = BodyEnergy(0.0, 0.0, 0.0)
         self.active = 0
         self._damped = np.zeros(unknowns)  # U + (eta/dt) D
         self._force: dict[int, NDArray[np.float64]] = {}  # of each strip, by its first unknown
         self._strips: list[tuple[slice, sparse.csr_array]] = []
         self._taken = 0.0  # (D of the past step) . force
         self._square = 0.0  # U . A U
-        self._inside = 0.0  # work done against the internal forces
-        self._outside = 0.0  # work done by the load
+        self._inside = 0.0  # work done against internal forces and dashpots
 
-    def activate(self, unknowns: int) -> None:
-        """Let the first unknowns move; strips of matrix rows are views, nothing is copied."""
+    def activate(self, time: float) -> None:
+        """Let the unknowns move that do so by a time; strips of matrix rows are views."""
+        nodes = int(np.searchsorted(self.arrival, time, side="right"))
+        unknowns = len(self.components) * nodes
         if unknowns == self.active:
             return
         if self._strips and self._strips[-1][0].stop % STRIP:
@@ -153,30 +151,23 @@ class MarchedBody:
             self._strips.append((rows, _row_view(self.matrix, rows)))
         self.active = unknowns
 
-    def kick(self, part: float) -> None:
-        """Change the increment by the internal forces and the load, and keep it at the walls.
-
-        Forces act for a part of a step: 1/2 at t = 0, from rest, then 1.
-        """
+    def kick(self) -> None:
+        """Change the increment by internal forces and dashpots."""
         kinetic, now, taken = self._sum(self._kick_strip)
         # the strips wrote D - A (U + theta D) over the older increment; the two change their roles
         self.before, self.increment = self.increment, self.before
         self._taken = taken
         self._settle(kinetic, now, taken)
-        self.increment[self.loaded] += part * self.load
-        self.increment[self.held] = 0.0
-        # a wall that makes pairs move oppositely keeps the odd part of their motion
-        first, second = self.mirrored
-        self.increment[first] = (self.increment[first] - self.increment[second]) / 2
-        self.increment[second] = -self.increment[first]
+        if len(self.absorption):
+            before, z = self.before[self.absorbing], self.absorption
+            after = (self.increment[self.absorbing] - z * before) / (1 + z)
+            self.increment[self.absorbing] = after
+            self._inside += float(z @ (before + after) ** 2) / 2
 
-    def drift(self, part: float) -> None:
-        """Move on to the next level, after the kick of the same part and all tractions."""
-        loaded, taken = self.loaded, self._taken
-        increments = self.before[loaded] + self.increment[loaded]
+    def drift(self) -> None:
+        """Move on to the next level, after the kick and all tractions."""
         # a force at t_n does work on the mean of the increments before and after it
-        self._outside += part * float(increments @ self.load) / 2
-        self._inside += (taken + self._sum(self._drift_strip)[0]) / 2
+        self._inside += (self._taken + self._sum(self._drift_strip)[0]) / 2
 
     def _kick_strip(self, rows: slice, matrix: sparse.csr_array) -> tuple[float, ...]:
         """Kick some unknowns; return D . D, U . force and D . force over them."""
@@ -203,13 +194,13 @@ class MarchedBody:
 
     def state(self) -> dict[str, NDArray[np.float64]]:
         """The state from which the march continues, after a drift; the arrays are not copies."""
-        sums = np.array([self._square, self._inside, self._outside])
+        sums = np.array([self._square, self._inside])
         return {"displacement": self.displacement, "increment": self.increment, "sums": sums}
 
     def restore(self, state: Mapping[str, NDArray[np.float64]]) -> None:
         """Continue from the state of another body of the same model, to the last bit."""
         self.displacement[:], self.increment[:] = state["displacement"], state["increment"]
-        self._square, self._inside, self._outside = state["sums"].tolist()
+        self._square, self._inside = state["sums"].tolist()
         np.multiply(self.increment, self.damping, out=self._damped)
         self._damped += self.displacement
 
@@ -228,7 +219,6 @@ class MarchedBody:
             kinetic=kinetic / 2,
             strain=cross / 2,
             damping=self._inside - cross / 2,
-            external=self._outside,
         )
 
 

@@ -1,4 +1,4 @@
-"""Meshes of the two blocks that meet along y = 0: their description, construction and cache."""
+"""Meshes of the blocks that meet along y = 0: their description, construction and cache."""
 
 import logging
 

@@ -1,39 +1,31 @@
-"""The rectangles that the blocks occupy, and the size that causality requires."""
+"""The rectangle that each block occupies, and the size that causality requires."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from semianalytic.scene.errors import SceneError
 
-PATTERNS = ("squares", "graded", "triangles")
-"""Mesh patterns: squares, rows that grow away from the interface, unstructured triangles."""
-GROWTH = 1.05
-"""Height of each row of a graded mesh over that of the row before, so h + 0.05 |y|."""
+PATTERNS = ("squares", "triangles")
+"""Mesh patterns: bilinear squares, and unstructured linear triangles."""
 MOST_ELEMENTS = 10_000_000
 """Largest mesh accepted; putting its matrix together takes about 35 gigabytes."""
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """One or two rectangles of elements that meet along y = 0.
+    """The rectangle of elements of the upper block, whose mirror image is the lower one.
 
-    The upper block covers -left*size <= x <= right*size, 0 <= y <= `far`; the lower one
-    is its mirror image.  They share no node: each has its own slot face (x <= 0), contact
-    face (x >= 0) and edge node (x = 0).
+    It covers -left*size <= x <= right*size, 0 <= y <= `far`.  The blocks share no node: each has
+    its own slot face (x <= 0), contact face (x >= 0) and edge node (x = 0).
 
     Parameters
     ----------
     size : float
-        Element size h [length], of graded meshes that at the interface.
+        Element size h [length].
     left, right, height : int
         Elements left of the edge, right of it, and from the interface to the far side.
-    lower : bool
-        Whether there is a lower block as well.
     pattern : str
         One of `PATTERNS`.
 
@@ -48,7 +40,6 @@ class Blocks:
     left: int
     right: int
     height: int
-    lower: bool = False
     pattern: str = "squares"
 
     def __post_init__(self) -> None:
@@ -70,42 +61,29 @@ class Blocks:
             )
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the blocks."""
-        return ("upper", "lower") if self.lower else ("upper",)
-
-    @property
     def elements(self) -> int:
-        """Number of quadrilaterals in all blocks; triangles are about twice as many."""
-        return len(self.names) * (self.left + self.right) * self.height
+        """Number of squares; triangles are about twice as many."""
+        return (self.left + self.right) * self.height
 
     @property
     def nodes(self) -> int:
-        """Number of corners of the quadrilaterals in all blocks."""
-        return len(self.names) * (self.left + self.right + 1) * (self.height + 1)
-
-    @property
-    def rows(self) -> NDArray[np.float64]:
-        """Distances of the rows of nodes from the interface [length], (height + 1,)."""
-        number = np.arange(self.height + 1.0)
-        if self.pattern == "graded":
-            number = np.expm1(math.log(GROWTH) * number) / (GROWTH - 1)
-        return np.asarray(self.size * number, dtype=np.float64)
+        """Number of corners of the squares."""
+        return (self.left + self.right + 1) * (self.height + 1)
 
     @property
     def far(self) -> float:
         """Distance of the far side from the interface [length]."""
-        return float(self.rows[-1])
+        return self.size * self.height
 
-    def sides(self, block: str) -> dict[str, int]:
-        """Return the names of a block's boundaries and the number of element sides on each."""
-        far = "top" if block == "upper" else "bottom"
+    @property
+    def sides(self) -> dict[str, int]:
+        """Names of the boundaries and the number of element sides on each."""
         return {
-            f"{block}_slot": self.left,
-            f"{block}_contact": self.right,
-            f"{block}_right": self.height,
-            f"{block}_{far}": self.left + self.right,
-            f"{block}_left": self.height,
+            "slot": self.left,
+            "contact": self.right,
+            "right": self.height,
+            "far": self.left + self.right,
+            "left": self.height,
         }
 
 
@@ -126,7 +104,6 @@ def causal_blocks(
     *,
     damping_time: float = 0.0,
     full: bool = False,
-    lower: bool = False,
     free_walls: bool = False,
     pattern: str = "squares",
 ) -> Blocks:
@@ -158,8 +135,6 @@ def causal_blocks(
         eta of the damping C = eta K [time].
     full : bool
         Whether whole fields are observed, not only the interface.
-    lower : bool
-        Whether to include the lower block.
     free_walls : bool
         Whether the side walls disturb the plane waves of the slot, as free walls do, and any walls
         those of a load that moves: the left one sends out waves from t = 0 on, so L - S >= c_l T.
@@ -181,16 +156,11 @@ def causal_blocks(
     def elements(length: float) -> int:
         return math.ceil(length / size)
 
-    def rows(length: float) -> int:
-        if pattern != "graded":
-            return elements(length)
-        return math.ceil(math.log1p((GROWTH - 1) * length / size) / math.log(GROWTH))
-
     far, slot = reach + margin, observed_slot(speed, end_time, full)
     there_and_back = far + (far if full else slot)
     left = far + slot if free_walls else there_and_back / 2
     height = far if full else far / 2
-    return Blocks(size, elements(left), elements(far), rows(height), lower, pattern)
+    return Blocks(size, elements(left), elements(far), elements(height), pattern)
 
 
 def observed_slot(speed: float, end_time: float, full: bool = False) -> float:

@@ -52,11 +52,10 @@ def write_mesh(blocks: Blocks, part: Path) -> None:
             remedy = f"run {how_to_install('fem')}"
         raise MissingLibraryError(
             f"a mesh of triangles needs gmsh, which cannot be loaded ({error}); {remedy}, or "
-            "choose squares or a graded mesh."
+            "choose squares."
         ) from error
     with _empty_model(gmsh):
-        for block in blocks.names:
-            _add_block(gmsh, blocks, block)
+        _add_block(gmsh, blocks)
         gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay
         gmsh.model.mesh.generate(2)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
@@ -70,26 +69,22 @@ def write_mesh(blocks: Blocks, part: Path) -> None:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
-    """Add one rectangle with its own points and curves, nothing shared with the other one."""
-    geo = gmsh.model.geo
-    up = 1 if block == "upper" else -1
+def _add_block(gmsh: Any, blocks: Blocks) -> None:
+    """Add the rectangle with its named sides."""
+    geo, far = gmsh.model.geo, blocks.far
     left, right = -blocks.left * blocks.size, blocks.right * blocks.size
-    far = up * blocks.far
-
     corners = ((left, 0), (0, 0), (right, 0), (right, far), (left, far))
     loop = [geo.addPoint(x, y, 0) for x, y in corners]
     curves = [geo.addLine(start, end) for start, end in pairwise([*loop, loop[0]])]
     # counter-clockwise around the block, so that every element has positive area
-    surface = geo.addPlaneSurface([geo.addCurveLoop([up * c for c in curves[::up]])])
-    sides = blocks.sides(block)
-    for curve, elements in zip(curves, sides.values(), strict=True):
+    surface = geo.addPlaneSurface([geo.addCurveLoop(curves)])
+    for curve, elements in zip(curves, blocks.sides.values(), strict=True):
         geo.mesh.setTransfiniteCurve(curve, elements + 1)
     geo.synchronize()
 
-    for curve, name in zip(curves, sides, strict=True):
+    for curve, name in zip(curves, blocks.sides, strict=True):
         gmsh.model.addPhysicalGroup(1, [curve], name=name)
-    gmsh.model.addPhysicalGroup(2, [surface], name=block)
+    gmsh.model.addPhysicalGroup(2, [surface], name="block")
 
 
 @contextmanager

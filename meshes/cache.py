@@ -1,4 +1,4 @@
-"""Meshes of blocks: laid at once, or of triangles, which are kept in the user's cache folder."""
+"""Meshes of a block: squares, or triangles, which are kept in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 from platformdirs import user_cache_dir
 from skfem import MeshQuad, MeshTri
 
 from meshes.blocks import Blocks
 from meshes.build import new_mesh_file, write_mesh
-from meshes.laid import laid_mesh
 from meshes.read import read_mesh
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
 
 _log = logging.getLogger(__name__)
 
-FORMAT = "slipfront blocks 2"
+FORMAT = "slipfront blocks 3"
 
 
 def cache_directory() -> Path:
@@ -36,7 +36,7 @@ def cache_path(blocks: Blocks) -> Path:
 
 
 def mesh_of(blocks: Blocks) -> MeshQuad | MeshTri:
-    """Return the mesh of the blocks; triangles come from the cache, or are built and kept there.
+    """Return the mesh of the upper block; triangles come from the cache, or are built and kept.
 
     A damaged file in the cache is built again, which costs only time.
 
@@ -47,7 +47,6 @@ def mesh_of(blocks: Blocks) -> MeshQuad | MeshTri:
     Returns
     -------
     MeshQuad, or MeshTri for the pattern "triangles"
-        One mesh of one or two parts that share no node, with subdomains "upper" ("lower").
         `side_nodes` finds the nodes of a side.
 
     Raises
@@ -58,7 +57,9 @@ def mesh_of(blocks: Blocks) -> MeshQuad | MeshTri:
         If the cache folder cannot be written, or a mesh just built cannot be read.
     """
     if blocks.pattern != "triangles":
-        return laid_mesh(blocks)
+        x = blocks.size * np.arange(-blocks.left, blocks.right + 1.0)
+        mesh = MeshQuad.init_tensor(x, blocks.size * np.arange(blocks.height + 1.0))
+        return MeshQuad(mesh.p, np.ascontiguousarray(mesh.t[::-1]))  # counter-clockwise
     path = cache_path(blocks)
     # what is damaged is replaced, and what cannot be looked at is not there
     with suppress(DataFileError, OSError, ValueError):

@@ -19,18 +19,17 @@ POSITION_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class _Raw:
-    """Contents of a mesh file: places of nodes (2, n) [length], nodes of each element (k, m),
-    elements of each named block, and nodes (2, j) of the element sides of each named side.
+    """Contents of a mesh file: places of nodes (2, n) [length], nodes of each element (3, m), and
+    nodes (2, j) of the element sides of each named side.
     """
 
     points: NDArray[np.float64]
     elements: NDArray[np.int64]
-    named: dict[str, NDArray[np.int64]]
     sides: dict[str, NDArray[np.int64]]
 
 
 def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
-    """Read blocks of triangles from a binary MSH 4.1 file, as `mesh_of` describes them.
+    """Read a block of triangles from a binary MSH 4.1 file, as `mesh_of` describes them.
 
     Nodes on the boundaries are put exactly on the grid; gmsh's own places are off by up to 1e-9
     elements.
@@ -38,8 +37,8 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     Raises
     ------
     DataFileError
-        If the file is missing, damaged, or holds anything but these blocks, with each of their
-        sides named.
+        If the file is missing, damaged, or holds anything but this block, with each of its sides
+        named.
     """
     raw = _parse(Path(path))
     places = raw.points / blocks.size
@@ -49,13 +48,11 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     on_sides = np.unique(np.concatenate([side.ravel() for side in raw.sides.values()]))
     # zeros without a sign
     raw.points[:, on_sides] = blocks.size * np.rint(places[:, on_sides]) + 0.0
-    return MeshTri(raw.points, raw.elements, _subdomains={b: raw.named[b] for b in blocks.names})
+    return MeshTri(raw.points, raw.elements)
 
 
-def side_nodes(
-    points: NDArray[np.float64], nodes: NDArray[np.int64], side: str
-) -> NDArray[np.int64]:
-    """Return the nodes of a named side of a block, in order of increasing x and then |y|.
+def side_nodes(points: NDArray[np.float64], side: str) -> NDArray[np.int64]:
+    """Return the nodes of a named side of the block, in order of increasing x and then y.
 
     Slot and contact meet at the node of the interface that is nearest to x = 0.
 
@@ -63,12 +60,10 @@ def side_nodes(
     ----------
     points : (2, n) array
         Places of all nodes [length], those of the sides exactly on the grid.
-    nodes : (m,) array
-        Which of them belong to the block.
     side : str
-        As "upper_slot" or "lower_bottom"; see `Blocks.sides`.
+        As "slot" or "far"; see `Blocks.sides`.
     """
-    x, y = points[:, nodes]
+    x, y = points
     on_face = y == 0
     edge = min(x[on_face], key=abs)
     on_side = {
@@ -76,11 +71,10 @@ def side_nodes(
         "contact": on_face & (x >= edge),
         "left": x == x.min(),
         "right": x == x.max(),
-        "top": y == y.max(),
-        "bottom": y == y.min(),
-    }[side.split("_")[1]]
-    order = np.lexsort((np.abs(y[on_side]), x[on_side]))
-    return nodes[on_side][order]
+        "far": y == y.max(),
+    }[side]
+    nodes = np.flatnonzero(on_side)
+    return nodes[np.lexsort((y[nodes], x[nodes]))]
 
 
 def _parse(path: Path) -> _Raw:
@@ -92,16 +86,13 @@ def _parse(path: Path) -> _Raw:
         kinds = {cells.type for cells in file.cells}
         if kinds == {"line", "triangle"}:
             elements, lines = (file.cells_dict[one].T for one in ("triangle", "line"))
-            named, sides = {}, {}
-            for name, members in file.cell_sets_dict.items():
-                if name.startswith("gmsh:"):
-                    continue
-                if "triangle" in members:
-                    named[name] = members["triangle"].astype(np.int32)
-                if "line" in members:
-                    sides[name] = lines[:, members["line"]]
+            sides = {
+                name: lines[:, members["line"]]
+                for name, members in file.cell_sets_dict.items()
+                if "line" in members and not name.startswith("gmsh:")
+            }
             points = np.ascontiguousarray(file.points[:, :2].T)
-            return _Raw(points, np.ascontiguousarray(elements), named, sides)
+            return _Raw(points, np.ascontiguousarray(elements), sides)
     # a damaged binary file can make the parser fail in any way at all
     except Exception as error:
         raise DataFileError(f"{path} cannot be read as a mesh ({error}); delete it.") from error
@@ -113,45 +104,30 @@ def _parse(path: Path) -> _Raw:
 
 def _block_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
     """Say what is wrong with the elements of a mesh, or return an empty string."""
-    if not _are_named(raw.elements, places.shape[1]).all():
+    if len(np.unique(raw.elements)) < places.shape[1]:
         return "some of its nodes belong to no element"
-    for block, sign in zip(blocks.names, (1, -1), strict=False):
-        if block not in raw.named:
-            return f"the block '{block}' is not named in it"
-        corners = places[:, raw.elements[:, raw.named[block]]]
-        if not _is_covered(corners * [[[1]], [[sign]]], blocks):
-            return f"the triangles of the {block} block do not cover it once"
+    if not _is_covered(places[:, raw.elements], blocks):
+        return "its triangles do not cover it once"
     return ""
 
 
 def _side_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
     """Say what is wrong with the sides of a mesh, or return an empty string."""
-    total = 0
-    for block in blocks.names:
-        own = _are_named(raw.elements[:, raw.named[block]], places.shape[1])
-        for name, count in blocks.sides(block).items():
-            side = raw.sides.get(name, np.empty((2, 0), dtype=int))
-            ends = places[:, side]
-            middles = np.unique(np.rint(ends).sum(axis=1), axis=1)
-            if side.shape[1] != count or middles.shape[1] != count:
-                return f"the side '{name}' does not consist of {count} element sides"
-            if not (own[side].all() and _on_side(ends, name, blocks)):
-                return f"the side '{name}' is not where it should be"
-            total += count
-    if len(MeshTri(raw.points, raw.elements).boundary_facets()) != total:
+    for name, count in blocks.sides.items():
+        side = raw.sides.get(name, np.empty((2, 0), dtype=int))
+        ends = places[:, side]
+        middles = np.unique(np.rint(ends).sum(axis=1), axis=1)
+        if side.shape[1] != count or middles.shape[1] != count:
+            return f"the side '{name}' does not consist of {count} element sides"
+        if not _on_side(ends, name, blocks):
+            return f"the side '{name}' is not where it should be"
+    if len(MeshTri(raw.points, raw.elements).boundary_facets()) != sum(blocks.sides.values()):
         return "it has a boundary besides its named sides"
     return ""
 
 
-def _are_named(elements: NDArray[np.int64], nodes: int) -> NDArray[np.bool_]:
-    """Return which of so many nodes belong to one of the elements (k, m)."""
-    named = np.zeros(nodes, dtype=bool)
-    named[elements] = True
-    return named
-
-
 def _is_covered(corners: NDArray[np.float64], blocks: Blocks) -> bool:
-    """Return whether triangles (2, 3, n), in elements, cover the upper rectangle once."""
+    """Return whether triangles (2, 3, n), in elements, cover the rectangle once."""
     (x, y), first = corners, corners[:, 0]
     one, two = corners[:, 1] - first, corners[:, 2] - first
     area = (one[0] * two[1] - one[1] * two[0]) / 2
@@ -171,15 +147,12 @@ def _on_side(ends: NDArray[np.float64], name: str, blocks: Blocks) -> bool:
     x, y = ends
     on_grid = np.abs(ends - np.rint(ends)) <= POSITION_TOLERANCE
     one_long = np.ptp(np.rint(ends), axis=1).sum(axis=0) == 1
-    sign = 1 if name.startswith("upper") else -1
     distances = {
         "slot": np.abs(y) + np.maximum(x, 0),
         "contact": np.abs(y) + np.maximum(-x, 0),
         "left": np.abs(x + blocks.left),
         "right": np.abs(x - blocks.right),
-        "top": np.abs(y - blocks.height),
-        "bottom": np.abs(y + blocks.height),
+        "far": np.abs(y - blocks.height),
     }
-    outside = np.maximum(-sign * y, 0)
-    near = distances[name.split("_")[1]] + outside <= POSITION_TOLERANCE
+    near = distances[name] + np.maximum(-y, 0) <= POSITION_TOLERANCE
     return bool(near.all() and on_grid.all() and one_long.all())

@@ -71,7 +71,6 @@ def sampled_run(
         resolution=resolution,
         element_size=cell,
         damping=0.0,
-        element="Q1",
         mesh="squares",
         model="sampled",
         step_ratio=1.0,

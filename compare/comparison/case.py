@@ -358,7 +358,7 @@ class Case:
         would take."""
         run = self.simulation
         size = run.element_size * run.resolution / resolution
-        options = {name: getattr(run, name) for name in ("damping", "element", "mesh")}
+        options = {name: getattr(run, name) for name in ("damping", "mesh")}
         taken = Prices(run.scene, run.end_time, options=options).unseen(Feature("", resolution))
         return f"resolution {resolution}, h = {size:.2g}: {taken.toll}"
 

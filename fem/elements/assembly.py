@@ -1,4 +1,4 @@
-"""Stiffness in plane strain and antiplane shear, and lumped mass, for several element families."""
+"""Stiffness in plane strain and antiplane shear, and lumped mass, of squares and triangles."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import Basis, MeshQuad, MeshTri
+from skfem import Basis
 from skfem.mesh import Mesh
 
-from fem.elements.families import Family, Integrals, apart, integrals_of
+from fem.elements.families import FAMILIES, Family, Integrals, apart, integrals_of
 from meshes import side_nodes
 from semianalytic.scene.scene import Material
 
@@ -42,8 +42,8 @@ class Shapes:
 def element_shapes(mesh: Mesh) -> Shapes:
     """Group elements by shape; elements that are shifts of one another have the same shape.
 
-    Squares have a few shapes, by the numbering of their corners, a graded mesh as many in each row.
-    If most elements have a shape of their own, as unstructured triangles do, each gets its own.
+    Squares have a few shapes, by the numbering of their corners.  If most elements have a shape of
+    their own, as unstructured triangles do, each gets its own.
     """
     corners = mesh.p[:, mesh.t]
     offsets = corners[:, 1:] - corners[:, :1]
@@ -60,17 +60,14 @@ def element_shapes(mesh: Mesh) -> Shapes:
 
 @dataclass(frozen=True)
 class Space:
-    """The nodes of one element family on a mesh.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Of the shape the family needs.
-    family : Family
-    """
+    """A mesh of squares or triangles, whose corners are the nodes."""
 
     mesh: Mesh
-    family: Family
+
+    @property
+    def family(self) -> Family:
+        """Element family."""
+        return next(one for one in FAMILIES.values() if isinstance(self.mesh, one.shape))
 
     @cached_property
     def basis(self) -> Basis:
@@ -78,15 +75,15 @@ class Space:
         middle = (self.family.centre, np.ones(1))
         return Basis(self.mesh, self.family.kind, quadrature=middle)
 
-    @cached_property
+    @property
     def points(self) -> NDArray[np.float64]:
         """Positions of the nodes [length], (2, n)."""
-        return self.mesh.p if self.family.spacing == 1 else self.basis.doflocs
+        return self.mesh.p
 
-    @cached_property
+    @property
     def element_nodes(self) -> NDArray[np.int64]:
         """Nodes of each element, (k, elements)."""
-        return self.mesh.t if self.family.spacing == 1 else self.basis.element_dofs
+        return self.mesh.t
 
     @cached_property
     def shapes(self) -> Shapes:
@@ -99,26 +96,18 @@ class Space:
         return integrals_of(self.family, self.shapes.samples)
 
     def side_nodes(self, side: str) -> NDArray[np.int64]:
-        """Return the nodes of a named side, in order of increasing x and then |y|."""
-        own = np.zeros(self.points.shape[1], dtype=bool)
-        own[self.element_nodes[:, self.mesh.subdomains[side.split("_")[0]]]] = True
-        return side_nodes(self.points, np.flatnonzero(own), side)
-
-
-def make_space(mesh: MeshQuad | MeshTri, family: Family) -> Space:
-    """Place the nodes of a family on a mesh; quadrilaterals are cut in two for triangles."""
-    if isinstance(mesh, MeshQuad) and family.triangular:
-        mesh = mesh.to_meshtri()
-    return Space(mesh, family)
+        """Return the nodes of a named side, in order of increasing x and then y."""
+        return side_nodes(self.points, side)
 
 
 def stiffness(
-    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
+    space: Space, material: Material, place: NDArray[np.int64] | None = None
 ) -> sparse.csr_array:
-    """Assemble the stiffness K in plane strain, for blocks of the same or different materials.
+    """Assemble the stiffness K in plane strain.
 
     scikit-fem integrates one element of each shape; the matrices are then added up over all
-    elements.  Nodes have new numbers (n,) if a place is given for each.
+    elements.  Nodes have new numbers (n,) if a place is given for each; nodes of the same number
+    are the same one.
 
     Returns
     -------
@@ -126,13 +115,12 @@ def stiffness(
         Force per unit thickness per displacement [stress]; unknown 2 a + i is component i of
         node a.  Entries that cancel between neighbouring elements are left out.
     """
-    local = np.concatenate([_element_stiffness(space, one) for one in materials.values()])
-    count, assembled = space.points.shape[1], _assembler(space, materials, place)
+    local, assembled = _element_stiffness(space, material), _assembler(space, place)
     # two matrices at a time, as real and imaginary part
     along = assembled(local[..., 0, 0] + 1j * local[..., 1, 1])
     across = assembled(local[..., 0, 1] + 1j * local[..., 1, 0])
     entries = np.array([[along.data.real, across.data.real], [across.data.imag, along.data.imag]])
-    least = ROUNDED * min(_moduli(material)[1] for material in materials.values())
+    count, least = along.shape[0], ROUNDED * _moduli(material)[1]
     entries[np.abs(entries) < least] = 0.0
     blocks = (np.ascontiguousarray(entries.transpose(2, 0, 1)), along.indices, along.indptr)
     total = sparse.bsr_array(blocks, shape=(2 * count, 2 * count)).tocsr()
@@ -141,13 +129,12 @@ def stiffness(
 
 
 def antiplane_stiffness(
-    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
+    space: Space, material: Material, place: NDArray[np.int64] | None = None
 ) -> sparse.csr_array:
     """Assemble the (n, n) stiffness of displacement along z, mu (D_xx + D_yy), like `stiffness`."""
-    unit = space.integrals.xx + space.integrals.yy
-    local = np.concatenate([material.shear_modulus * unit for material in materials.values()])
-    total = _assembler(space, materials, place)(local)
-    least = ROUNDED * min(material.shear_modulus for material in materials.values())
+    local = material.shear_modulus * (space.integrals.xx + space.integrals.yy)
+    total = _assembler(space, place)(local)
+    least = ROUNDED * material.shear_modulus
     total.data[np.abs(total.data) < least] = 0.0
     total.eliminate_zeros()
     return total
@@ -164,12 +151,12 @@ STIFFNESS: Mapping[tuple[int, ...], Callable[..., sparse.csr_array]] = {
 
 
 def _assembler(
-    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None
+    space: Space, place: NDArray[np.int64] | None
 ) -> Callable[[NDArray[Any]], sparse.csr_array]:
     """Return a function that assembles scalar matrices from local ones, (k, k) for each shape."""
-    kind, nodes = _kinds(space, materials), space.element_nodes.T
+    kind, nodes = space.shapes.kind, space.element_nodes.T
     nodes = nodes if place is None else place[nodes]
-    count, corners = space.points.shape[1], nodes.shape[1]
+    count, corners = int(nodes.max()) + 1, nodes.shape[1]
     rows = np.repeat(nodes, corners, axis=1).astype(np.int32).ravel()
     columns = np.tile(nodes, corners).astype(np.int32).ravel()
 
@@ -180,34 +167,32 @@ def _assembler(
     return assembled
 
 
-def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.float64]:
-    """Return the mass of each node per unit thickness, (n,) [mass / length].
+def lumped_mass(
+    space: Space, material: Material, place: NDArray[np.int64] | None = None
+) -> NDArray[np.float64]:
+    """Return the mass of each node per unit thickness, (n,) [mass / length], like `stiffness`.
 
     Quadrature at the nodes makes the mass matrix diagonal.
     """
-    area = space.integrals.area
-    local = np.concatenate([material.density * area for material in materials.values()])
-    mass = local[_kinds(space, materials)].T
-    total = np.bincount(space.element_nodes.ravel(), mass.ravel(), space.points.shape[1])
-    return np.asarray(total, dtype=np.float64)
+    nodes = space.element_nodes if place is None else place[space.element_nodes]
+    mass = material.density * space.integrals.area[space.shapes.kind].T
+    return np.asarray(np.bincount(nodes.ravel(), mass.ravel()), dtype=np.float64)
 
 
 def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the nodes of a horizontal side and the length of the side that belongs to each.
 
     They are in order of increasing x; the lengths are int phi ds over the side [length].  Inner
-    nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2 of the
-    slot face and h/2 of the contact face, and one at x > 0 (`fem.elements.edge`) as much less of
-    the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends 1/3 h.
+    nodes own h, the two end nodes h/2: so an edge node at x = 0 owns h/2 of the slot face and h/2
+    of the contact face, and one at x > 0 (`fem.elements.edge`) as much less of the slot and more of
+    the contact.
     """
-    nodes, spacing = space.side_nodes(side), space.family.spacing
-    sides = np.diff(space.points[0, nodes[::spacing]])
-    lengths = np.zeros(len(nodes))
-    for first, part in enumerate(space.family.side):
-        lengths[first : first + spacing * len(sides) : spacing] += part * sides
-    if side.endswith("_contact"):
+    nodes = space.side_nodes(side)
+    halves = np.diff(space.points[0, nodes]) / 2
+    lengths = np.pad(halves, (1, 0)) + np.pad(halves, (0, 1))
+    if side == "contact":
         lengths[0] += space.points[0, nodes[0]]
-    elif side.endswith("_slot"):
+    elif side == "slot":
         lengths[-1] -= space.points[0, nodes[-1]]
     return nodes, lengths
 
@@ -228,15 +213,6 @@ def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
     rows = [[bulk * dxx + mu * dyy, lame * dxy + mu * dyx]]
     rows += [[lame * dyx + mu * dxy, bulk * dyy + mu * dxx]]
     return np.array(rows).transpose(2, 3, 4, 0, 1)
-
-
-def _kinds(space: Space, materials: Mapping[str, Material]) -> NDArray[np.int64]:
-    """Return which local matrix each element has; they are ordered by material, then by shape."""
-    kind, shapes = space.shapes.kind.copy(), space.shapes.kind.max() + 1
-    for number, block in enumerate(materials):
-        if number:
-            kind[space.mesh.subdomains[block]] += number * shapes
-    return kind
 
 
 def _moduli(material: Material) -> tuple[float, float]:

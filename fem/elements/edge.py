@@ -13,8 +13,8 @@ their logarithm.  In all
 
     x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
 
-In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3) for Q1 and sqrt(1 + sin^2(theta/2)) for P1,
-which makes that -sqrt(2/3)/4 and -sqrt(2)/4 (docs/antiplane.md).
+In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3), which makes that -sqrt(2/3)/4
+(docs/antiplane.md).
 
 So node 0 is laid at minus that, which puts the edge at x = 0.  Where tractions are given on both
 sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
@@ -30,8 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, make_space
-from fem.elements.families import Family
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Space
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
@@ -42,36 +41,34 @@ FARTHEST = 0.49
 """Largest distance of an edge from its node, over h: beyond h/2 another node would be nearer."""
 
 
-def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) -> float:
+def edge_offset(materials: Iterable[Material], held: int = 1) -> float:
     """Return the place of the first node of a closed contact on squares, over h.
 
-    It is 0.24 for Q1 at nu = 1/3.  It is rounded to millionths, so that a run is the same to the
-    last bit with any linear algebra library, and is at most `FARTHEST`, which matters near nu = 1/2
-    (Q1, from 0.483 on) and for P1 below -0.14.
+    It is 0.24 at nu = 1/3.  It is rounded to millionths, so that a run is the same to the
+    last bit with any linear algebra library, and is at most `FARTHEST`, which matters for
+    nu > 0.483.
 
     Parameters
     ----------
     materials : iterable of Material
         Materials of the two blocks; each counts in proportion to its compliance.
-    family : Family
-        Element family with nodes at the corners only.
     held : int
         Component that the contact holds: 1 where it is closed, 0 where it is stuck, whose edge
-        is elsewhere (0.40 h for Q1 at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
+        is elsewhere (0.40 h at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
     """
     bodies = list(materials)
     compliance = [1 / _static_modulus(body, held) for body in bodies]
-    offsets = [_offset(body, family, held) for body in bodies]
+    offsets = [_offset(body, held) for body in bodies]
     return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
 
 
 @lru_cache(maxsize=32)
-def _offset(material: Material, family: Family, held: int) -> float:
+def _offset(material: Material, held: int) -> float:
     ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
     components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)
     own = components.index(held)
     # the other component is free: one over its compliance
-    stiffness = surface_stiffness(material, family, ANGLES, components)
+    stiffness = surface_stiffness(material, ANGLES, components)
     compliance = np.linalg.inv(stiffness)[:, own, own].real
     return float(0.25 - np.mean(np.log(compliance * ahead) / np.sin(ANGLES / 2) ** 2) / 4)
 
@@ -85,20 +82,19 @@ def _static_modulus(material: Material, held: int) -> float:
 
 def surface_stiffness(
     material: Material,
-    family: Family,
     angles: NDArray[np.float64],
     components: tuple[int, ...] = IN_PLANE,
 ) -> NDArray[np.complex128]:
     """Return the static surface stiffness of a half-plane of unit squares [stress], (n, m, m).
 
     It is the force on each node of the surface y = 0 of y > 0 per displacement of it in m
-    components, both multiplied by exp(i theta x), for angles theta > 0 (n,).  The family has nodes
-    at the corners only.  Rows are eliminated by cyclic reduction, every other one at a time.
+    components, both multiplied by exp(i theta x), for angles theta > 0 (n,).  Rows are eliminated
+    by cyclic reduction, every other one at a time.
     """
     patch = MeshQuad.init_tensor(np.arange(3.0), np.arange(4.0))
-    space = make_space(patch.with_subdomains({"upper": np.arange(patch.nelements)}), family)
+    space = Space(patch)
     count = len(components)
-    matrix = STIFFNESS[components](space, {"upper": material})
+    matrix = STIFFNESS[components](space, material)
     blocks = matrix.toarray().reshape(12, count, 12, count)
     x, y = np.rint(space.points)
 

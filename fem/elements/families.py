@@ -13,78 +13,46 @@ from numpy.typing import NDArray
 from skfem.element import Element
 from skfem.mesh import Mesh
 
-from semianalytic.scene.errors import SceneError
-
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """A finite element with a diagonal mass matrix.
+    """A finite element with its nodes at its corners and a diagonal mass matrix.
 
     Attributes
     ----------
-    name : str
     kind : Element
         Shape functions, one node each.
     nodal : (points, weights)
         Quadrature with its points at the nodes; it is what makes the mass matrix diagonal.
     order : int
         Degree that the quadrature of the stiffness integrates exactly.
-    spacing : int
-        Node distances per element side.
-    side : (spacing + 1,) array
-        Fraction of an element side that belongs to each of its nodes.
-    triangular : bool
-    centre : (2, 1) array
-        Middle of the reference element.
+    shape : type of Mesh
     """
 
-    name: str
     kind: Element
     nodal: tuple[NDArray[np.float64], NDArray[np.float64]]
     order: int
-    spacing: int
-    side: NDArray[np.float64]
-    triangular: bool
-    centre: NDArray[np.float64]
+    shape: type[Mesh]
+
+    @property
+    def centre(self) -> NDArray[np.float64]:
+        """Middle of the reference element, (2, 1)."""
+        return self.nodal[0].mean(axis=1, keepdims=True)
 
 
-def _tensor(
-    points: NDArray[np.float64], weights: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the product rule on the unit square."""
-    x, y = np.meshgrid(points, points)
-    return np.array([x.ravel(), y.ravel()]), np.outer(weights, weights).ravel()
-
-
-_CORNERS = (np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), np.full(3, 1 / 6))
-_ENDS = (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
-_SIMPSON = (np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6)
-_MIDDLE = np.full((2, 1), 0.5)
+_CORNERS = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
+_THREE = (_CORNERS[:, :3], np.full(3, 1 / 6))
+_FOUR = (_CORNERS, np.full(4, 1 / 4))
 
 FAMILIES: Mapping[str, Family] = {
-    family.name: family
-    for family in (
-        Family("P1", skfem.ElementTriP1(), _CORNERS, 0, 1, _ENDS[1], True, _MIDDLE * 2 / 3),
-        Family("Q1", skfem.ElementQuad1(), _tensor(*_ENDS), 2, 1, _ENDS[1], False, _MIDDLE),
-        Family("Q2", skfem.ElementQuad2(), _tensor(*_SIMPSON), 4, 2, _SIMPSON[1], False, _MIDDLE),
-    )
+    "squares": Family(skfem.ElementQuad1(), _FOUR, 2, skfem.MeshQuad),
+    "triangles": Family(skfem.ElementTriP1(), _THREE, 0, skfem.MeshTri),
 }
-"""Linear triangles, bilinear and biquadratic quadrilaterals, the last with Gauss-Lobatto mass."""
+"""Bilinear squares and linear triangles, by the pattern of the mesh."""
 
 
 FEW = 256
 """Number of elements up to which their integrals are kept, which take at most 0.6 MB."""
-
-
-def find_family(element: str, pattern: str) -> Family:
-    """Return the element family of a name, for meshes of a pattern; SceneError if there is none."""
-    if element not in FAMILIES:
-        known = ", ".join(FAMILIES)
-        raise SceneError(f"simulate: element must be one of {known}, got {element!r}.")
-    family = FAMILIES[element]
-    if pattern == "triangles" and not family.triangular:
-        raise SceneError(f"simulate: {element} needs quadrilaterals; choose P1 or another mesh.")
-    return family
 
 
 @skfem.BilinearForm
@@ -151,5 +119,5 @@ def _integrals(family: Family, elements: Mesh) -> Integrals:
 
 @lru_cache(maxsize=32)
 def _integrals_of_few(family: Family, corners: bytes, count: int) -> Integrals:
-    kind = skfem.MeshTri if family.triangular else skfem.MeshQuad
-    return _integrals(family, apart(kind, np.frombuffer(corners).reshape(2, -1), count))
+    elements = apart(family.shape, np.frombuffer(corners).reshape(2, -1), count)
+    return _integrals(family, elements)

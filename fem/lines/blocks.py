@@ -1,7 +1,8 @@
-"""Periodic blocks of squares above and below the interface, and how deep they are.
+"""Periodic blocks of squares on both sides of the interface, and how deep they are.
 
 Nodes are numbered row by row from the interface on, so that those which no wave has reached are the
-last ones.  Far sides absorb plane waves: a dashpot rho c per area on each node.
+last ones.  A lower block is described by its mirror image.  Far sides absorb plane waves: a dashpot
+rho c per area on each node.
 """
 
 from __future__ import annotations
@@ -13,18 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Y, lumped_mass, make_space
-from fem.elements.families import FAMILIES
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, Space, Y
 from fem.lines.line import Line
-from fem.patch import PATCH, highest_of_patch
-from fem.stepping import MarchedBody, critical_step, normalised
+from fem.march import body_matrix, highest_of_patch
+from fem.stepping import MarchedBody, critical_step
+from meshes.blocks import causal_margin
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
 
 Array = NDArray[np.float64]
 
 MARGIN = 8
-"""Rows of nodes beyond the first wave that move already."""
+"""Rows of nodes beyond those that the first wave passes twice until the end."""
 STIFF = 1000.0
 """Ratio of the shear moduli from which on the stiffer block may be shallow: its motion is 0.1 % of
 the whole or less, and its far side absorbs most of the waves."""
@@ -36,14 +37,12 @@ MOST_WORK = 5e11
 
 
 @dataclass(frozen=True)
-class Block:
+class LineBlock:
     """One block of the mesh, before it is assembled.
 
     Attributes
     ----------
     material : Material
-    below : bool
-        Whether it lies on y < 0.
     columns, rows : int
         Nodes of a period, and rows of squares.
     size : float
@@ -55,7 +54,6 @@ class Block:
     """
 
     material: Material
-    below: bool
     columns: int
     rows: int
     size: float
@@ -76,44 +74,32 @@ class Block:
     @property
     def critical_step(self) -> float:
         """Largest stable step [time], that of a free patch, which no periodic block exceeds."""
-        side = self.size * np.arange(PATCH + 1.0)
-        highest = highest_of_patch(side, side, FAMILIES["Q1"], self.material, self.components)
+        highest = highest_of_patch(self.size, self.material, self.components)
         return critical_step(highest, self.damping_time)
 
-    def assembled(self, step: float) -> MarchedBody:
-        """Return the block at rest, for a time step."""
-        along = self.size * np.arange(self.columns + 1.0)
-        away = self.size * np.arange(self.rows + 1.0)
-        y = -away[::-1] if self.below else away
-        space = make_space(MeshQuad.init_tensor(along, y), FAMILIES["Q1"])
+    def assembled(self, step: float, end_time: float) -> MarchedBody:
+        """Return the block at rest, for a time step and an end time [time]."""
+        size, columns, solid = self.size, self.columns, self.material
+        along, away = (size * np.arange(count + 1.0) for count in (columns, self.rows))
+        space = Space(MeshQuad.init_tensor(along, away))
         # the last column of nodes is the first one again
-        column, row = np.rint(np.abs(space.points) / self.size).astype(np.int64)
-        place = self.columns * row + column % self.columns
-        one = {"upper": self.material}
-        mass = np.asarray(np.bincount(place, lumped_mass(space, one)), dtype=np.float64)
-        stiffness = STIFFNESS[self.components](space, one, place)
-        matrix, root = normalised(stiffness[: self.unknowns, : self.unknowns], mass)
+        column, row = np.rint(space.points / size).astype(np.int64)
+        place = columns * row + column % columns
+        matrix, root = body_matrix(space, solid, self.components, place)
         matrix.data *= step**2
-        return MarchedBody(self.components, matrix, root, self.damping_time / step)
-
-    def absorption(self, root: Array, step: float) -> Array:
-        """Return z = rho c h dt / (2 m) of the unknowns of the far side, (k,)."""
-        solid = self.material
+        margin = causal_margin(self.fastest, end_time, size, self.damping_time)
+        arrival = np.repeat((away - margin) / self.fastest, columns)
         speed = [
             solid.longitudinal_speed if one == Y else solid.shear_speed for one in self.components
         ]
-        dashpot = solid.density * np.tile(speed, self.columns) * self.size
-        return np.asarray(step * dashpot / (2 * root[-len(dashpot) :] ** 2))
-
-    def reached(self, time: float) -> int:
-        """Return the number of unknowns that may move until a time."""
-        # damping spreads the fronts; see `meshes.blocks.causal_margin`
-        ahead = self.fastest * time + 3 * self.fastest * math.sqrt(self.damping_time * time)
-        rows = min(math.ceil(ahead / self.size) + MARGIN, self.rows + 1)
-        return len(self.components) * self.columns * rows
+        dashpots = solid.density * np.tile(speed, columns) * size
+        far = np.arange(self.unknowns - len(dashpots), self.unknowns)
+        absorption = step * dashpots / (2 * root[far] ** 2)
+        eta = self.damping_time / step
+        return MarchedBody(self.components, matrix, root, eta, arrival, far, absorption)
 
 
-def make_blocks(line: Line, end_time: float, damping: float) -> list[Block]:
+def make_blocks(line: Line, end_time: float, damping: float) -> list[LineBlock]:
     """Return the blocks of a line until T [time]: one where both move oppositely, else two.
 
     The damping is eta of each block, over the time in which its shear wave crosses a square.
@@ -122,18 +108,18 @@ def make_blocks(line: Line, end_time: float, damping: float) -> list[Block]:
     softest = min(line.upper.shear_modulus, line.lower.shear_modulus)
     components = OUT_OF_PLANE if line.antiplane else IN_PLANE
     blocks = []
-    for material, below in [(line.upper, False), (line.lower, True)][: 1 if line.is_odd else 2]:
+    for material in [line.upper, line.lower][: 1 if line.is_odd else 2]:
         fastest = material.shear_speed if line.antiplane else material.longitudinal_speed
         # what comes back from the far side arrives after the end
         rows = math.ceil(fastest * end_time / (2 * size)) + MARGIN
         if material.shear_modulus >= STIFF * softest:
             rows = min(rows, math.ceil(SHALLOW * columns))
         damping_time = damping * size / material.shear_speed
-        blocks.append(Block(material, below, columns, rows, size, damping_time, components))
+        blocks.append(LineBlock(material, columns, rows, size, damping_time, components))
     return blocks
 
 
-def check_work(blocks: list[Block], steps: int) -> None:
+def check_work(blocks: list[LineBlock], steps: int) -> None:
     """Raise SceneError if a simulation would take hours."""
     work = sum(block.unknowns for block in blocks) * steps
     if work > MOST_WORK:

@@ -6,18 +6,19 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.elements.assembly import X, Y, Z
-from fem.interface import ContactFace, FacePair, contact_pressure
-from fem.lines.blocks import Block, check_work, make_blocks
+from fem.interface import FaceMotion, FacePair, Joint, KickTractions
+from fem.lines.blocks import LineBlock, check_work, make_blocks
 from fem.lines.line import Line, Tractions
-from fem.model import RATE_WINDOW
+from fem.march import March, face_pair, half_window
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size
-from semianalytic.scene.errors import ComputationError
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -35,7 +36,7 @@ class LineSimulation:
     """Fields of a simulated interface at evenly spaced times.
 
     Slip rates and tractions are means over the time in which a shear wave of the slower body
-    crosses `fem.model.RATE_WINDOW` squares, which removes the ringing of the mesh.
+    crosses `fem.march.RATE_WINDOW` squares, which removes the ringing of the mesh.
 
     Attributes
     ----------
@@ -82,116 +83,42 @@ class LineSimulation:
         return len(self.x)
 
 
-class LineModel:
-    """The bodies of a line, its faces, and the state of its friction, at a time level."""
+class LineTractions:
+    """The tractions of each kick on a line; `shear` and `pressure` are the last ones on slots."""
 
-    def __init__(self, line: Line, blocks: list[Block], step: float) -> None:
-        self.line, self.blocks, self.step = line, blocks, step
-        self.bodies = [block.assembled(step) for block in blocks]
-        self.absorbers = [
-            block.absorption(body.root, step)
-            for block, body in zip(blocks, self.bodies, strict=True)
-        ]
-        self.sliding = self._pair(Z if line.antiplane else X)
-        self.pressing = self._pair(Y) if line.opens else None
-        self.state = line.state
-        (self.pressure, _), (self.shear, _) = line.pressure(0.0), line.shear(0.0)
-        self.strength = np.zeros(len(line.x))
-        self.felt = self.pressure[line.touching]
-        self.pushed = self.absorbed = self.imbalance = 0.0
+    def __init__(self, line: Line, step: float) -> None:
+        self.line, self.step = line, step
+        self.shear, self.pressure = (
+            of(0.0)[0][~line.touching] for of in (line.shear, line.pressure)
+        )
 
-    def _pair(self, component: int) -> FacePair:
-        faces = []
-        for block, body in zip(self.blocks, self.bodies, strict=True):
-            count = len(block.components)
-            unknowns = slice(block.components.index(component), count * block.columns, count)
-            faces.append(
-                ContactFace(body, unknowns, body.root[unknowns], -1.0 if block.below else 1.0)
-            )
-        return FacePair(faces, self.line.spacing, self.step)
+    def __call__(self, level: int) -> KickTractions:
+        """Return the tractions of a kick."""
+        line, time = self.line, level * self.step
+        on, slots = line.touching, ~line.touching
+        shear, slot_shear = kick_tractions(line.shear, time)
+        self.shear, along = slot_shear[slots], (shear - slot_shear)[slots]
+        if not line.opens:
+            return KickTractions(0.0, shear[on], along, 0.0)
+        pressure, slot_pressure = kick_tractions(line.pressure, time)
+        self.pressure = slot_pressure[slots]
+        return KickTractions(pressure[on], shear[on], along, self.pressure - pressure[slots])
 
-    def kick(self, level: int, part: float) -> None:
-        """Kick the bodies at a time level by internal forces, far sides and the interface."""
-        for block, body in zip(self.blocks, self.bodies, strict=True):
-            body.activate(block.reached((level + 1) * self.step))
-            body.kick(part)
-        self._settle()
-        for body, z in zip(self.bodies, self.absorbers, strict=True):
-            far = slice(len(body.root) - len(z), None)
-            before = body.before[far]
-            body.increment[far] = (body.increment[far] - z * before) / (1 + z)
-            mean = (before + body.increment[far]) / 2
-            self.absorbed += 2 * float(z @ mean**2) * self.copies
-        self._press(level, part)
-        self._slide(level, part)
 
-    @property
-    def copies(self) -> int:
-        """Number of blocks that a body stands for."""
-        return 2 if self.line.is_odd else 1
+def build_line(line: Line, blocks: list[LineBlock], step: float, end_time: float) -> March:
+    """Return the bodies and the joint of a line at rest, for a time step [time]."""
+    bodies = [block.assembled(step, end_time) for block in blocks]
 
-    def drift(self, part: float) -> None:
-        """Move the bodies on to the next time level."""
-        for body in self.bodies:
-            body.drift(part)
+    def motion(on: NDArray[np.bool_]) -> FaceMotion:
+        """Return the motion of some of the nodes."""
+        nodes = np.flatnonzero(on)
+        of = partial(face_pair, bodies, nodes, np.full(len(nodes), line.spacing), step)
+        return FaceMotion(of(Z if line.antiplane else X), of(Y) if line.opens else None)
 
-    def _settle(self) -> None:
-        energies = [body.energy for body in self.bodies]
-        energy = self.copies * sum(one.kinetic + one.strain + one.damping for one in energies)
-        if not math.isfinite(energy):
-            raise ComputationError(
-                "the simulation lost its finite values; lower `step_ratio`, or give loads and "
-                "moduli of ordinary size."
-            )
-        size = max(abs(self.pushed), abs(energy))
-        self.imbalance = (energy + self.absorbed - self.pushed) / size if size else 0.0
-
-    def _press(self, level: int, part: float) -> None:
-        if self.pressing is None:
-            return
-        line, slot = kick_tractions(self.line.pressure, level * self.step)
-        faces, on = self.pressing, self.line.touching
-        compliance = part * faces.compliance
-        needed = contact_pressure(faces.offset(), faces.increment(), line, compliance)
-        before, self.pressure = self.pressure, np.where(on, needed, slot)
-        self._past = before
-        self._push(faces, self.pressure - line, part)
-
-    def _slide(self, level: int, part: float) -> None:
-        line, slot = kick_tractions(self.line.shear, level * self.step)
-        faces, on, friction = self.sliding, self.line.touching, self.line.friction
-        plate = self.line.plate_rate
-        pressure = self.pressure[on]
-        if level:
-            speed = np.abs(faces.past_increment()[on] / self.step + plate)
-            past = pressure if self.pressing is None else self._past[on]
-            changing = speed, self.step, past, pressure
-            self.state = np.asarray(friction.evolved_under(self.state, *changing))
-            self.felt = friction.felt_pressure(self.felt, *changing)
-        compliance = part * faces.compliance
-        stopping = (line + (faces.increment() + plate * self.step) / compliance)[on]
-        impedance = (self.step / compliance)[on]
-        touches, size = pressure > 0, np.abs(stopping)
-        felt = np.where(touches, self.felt, 1.0)  # nothing rubs an open pair, whatever its law
-        speed = friction.slip_speed(size, felt, impedance, self.state)
-        speed = np.where(touches, speed, size / impedance)
-        self.shear = slot.copy()
-        self.shear[on] = stopping - np.sign(stopping) * impedance * speed
-        self.strength[on] = touches * friction.strength(self.felt, speed, self.state)
-        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
-        self._push(faces, line - self.shear, part)
-
-    def _push(self, faces: FacePair, traction: Array, part: float) -> None:
-        impulse = faces.push(traction, part)
-        self.pushed += float(impulse @ faces.mean_increment())
-
-    def slip(self, level: int) -> Array:
-        """Return the slip at a level, (n,) [length]."""
-        return self.sliding.offset() + self.line.plate_rate * level * self.step
-
-    def gap(self) -> Array:
-        """Return the gap, (n,) [length]."""
-        return 0 * self.shear if self.pressing is None else self.pressing.offset()
+    contact, slot = motion(line.touching), motion(~line.touching)
+    tractions, pressure = LineTractions(line, step), line.pressure(0.0)[0][line.touching]
+    joint = Joint(line.friction, line.state, contact, slot, tractions, pressure, line.plate_rate)
+    return March(bodies=bodies, joint=joint, time_step=step, copies=2 if line.is_odd else 1)
 
 
 def kick_tractions(tractions: Tractions, time: float) -> tuple[Array, Array]:
@@ -273,15 +200,14 @@ def simulate_line(
     step = end_time / steps
     check_work(blocks, steps)
     slowest = min(block.material.shear_speed for block in blocks)
-    window = max(1, round(RATE_WINDOW / 2 * line.spacing / slowest / step))
-    model = LineModel(line, blocks, step)
-    record = _Record(model, [steps // samples * k for k in range(1, samples + 1)], window)
+    window = half_window(line.spacing, slowest, step)
+    march = build_line(line, blocks, step, end_time)
+    record = _LineRecord(march, line, steps // samples * np.arange(1, samples + 1), window)
     with np.errstate(over="ignore", invalid="ignore"), deferred_interrupt() as interruption:
         for level in range(steps + window + 1):
-            part = 1.0 if level else 0.5
-            model.kick(level, part)
+            march.kick(level)
             record.level(level)
-            model.drift(part)
+            march.drift()
             if interruption.pressed:
                 raise KeyboardInterrupt
             if progress is not None and level:
@@ -291,9 +217,9 @@ def simulate_line(
         touching=line.touching,
         t=sample_times(end_time, samples),
         **record.fields(),
-        imbalance=model.imbalance,
+        imbalance=imbalance(march),
         steps=steps,
-        unknowns=sum(block.unknowns for block in blocks),
+        unknowns=march.unknowns,
         seconds=clock.perf_counter() - started,
     )
 
@@ -304,7 +230,7 @@ def sample_times(end_time: float, samples: int = SAMPLES) -> Array:
     return np.asarray(end_time * (np.arange(1, samples + 1) / samples))
 
 
-def count_steps(blocks: list[Block], end_time: float, samples: int, step_ratio: float) -> int:
+def count_steps(blocks: list[LineBlock], end_time: float, samples: int, step_ratio: float) -> int:
     """Return the number of steps until the end time, a multiple of the number of samples."""
     critical = min(block.critical_step for block in blocks)
     return samples * math.ceil(end_time / (samples * step_ratio * critical))
@@ -317,32 +243,61 @@ def planned_work(line: Line, end_time: float) -> float:
     return float(steps) * sum(block.unknowns for block in blocks)
 
 
-class _Record:
+def imbalance(march: March) -> float:
+    """Return the energy and the work that is taken, less that of tractions, over the larger one."""
+    kinetic, strain, friction, damping, external, impact = march.energies().tolist()
+    taken = kinetic + strain + friction + damping + impact
+    size = max(abs(taken), abs(external))
+    return (taken - external) / size if size else 0.0
+
+
+def _offset(faces: FacePair | None) -> float | Array:
+    """Return the relative displacement of faces, (n,) [length]; 0 where symmetry forbids it."""
+    return 0.0 if faces is None else faces.offset()
+
+
+class _LineRecord:
     """Fields at some levels; slip rates and tractions are means over a window around each."""
 
-    def __init__(self, model: LineModel, levels: list[int], window: int) -> None:
-        self.model, self.levels, self.window = model, levels, window
-        count = (len(levels), len(model.line.x))
+    def __init__(self, march: March, line: Line, levels: NDArray[np.int64], window: int) -> None:
+        self.march, self.line, self.levels, self.window = march, line, levels, window
+        count = (len(levels), len(line.x))
         self._slip, self._gap = np.zeros(count), np.zeros(count)
         self._ends, self._window = np.zeros((count[0], 2, count[1])), np.zeros((count[0], 2))
         self._means = {name: np.zeros(count) for name in ("shear_traction", "pressure", "strength")}
 
     def level(self, level: int) -> None:
         """Record a level whose kick is done."""
-        for number, at in enumerate(self.levels):
+        near = np.flatnonzero(np.abs(self.levels - level) <= self.window).tolist()
+        if not near:
+            return
+        joint, step, slot = self.march.joint, self.march.time_step, self.march.joint.slot
+        tractions: Any = joint.tractions
+        slip = self._whole(_offset(joint.sliding), _offset(slot.sliding))
+        slip += joint.plate_rate * level * step
+        now = (
+            self._whole(joint.shear, tractions.shear),
+            self._whole(joint.pressure, tractions.pressure),
+            self._whole(joint.strength, 0.0),
+        )
+        for number in near:
+            at = self.levels[number]
             first, last = max(at - self.window, 0), at + self.window
-            if not first <= level <= last:
-                continue
-            slip = self.model.slip(level)
             for end, limit in enumerate((first, last)):
                 if level == limit:
                     self._ends[number, end] = slip
-                    self._window[number, end] = level * self.model.step
+                    self._window[number, end] = level * step
             if level == at:
-                self._slip[number], self._gap[number] = slip, self.model.gap()
-            now = (self.model.shear, self.model.pressure, self.model.strength)
+                self._slip[number] = slip
+                self._gap[number] = self._whole(_offset(joint.pressing), _offset(slot.pressing))
             for mean, values in zip(self._means.values(), now, strict=True):
                 mean[number] += values / (last - first + 1)
+
+    def _whole(self, contact: float | Array, slots: float | Array) -> Array:
+        """Return values at all nodes (n,), from those on the contact and on slots."""
+        values = np.empty(len(self.line.x))
+        values[self.line.touching], values[~self.line.touching] = contact, slots
+        return values
 
     def fields(self) -> dict[str, Array]:
         """The fields of a `LineSimulation`."""

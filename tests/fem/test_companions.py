@@ -66,7 +66,7 @@ def test_only_what_is_missing_is_run(carrying, monkeypatch):
 
 def test_companions_have_the_settings_of_the_simulation():
     options = {"damping": 0.05, "step_ratio": 0.7, "end_time": 0.5}
-    options |= {"element": "P1", "mesh": "graded", "model": "two-blocks"}
+    options |= {"model": "two-blocks"}
     run = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
     assert_same_run(run.companion, simulate(SHOCK, resolution=16, every=2, **options))
     assert_same_run(run.companion.companion, simulate(SHOCK, resolution=8, **options))

@@ -11,7 +11,7 @@ from fem import Settings, cost, simulate
 from fem.model import prepare
 from fem.resolution import LEAST_CROSSED
 from fem.results import load_simulation, opening_sentence
-from fem.run import drift, levels
+from fem.run import levels
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.given.finding import find_scene
 from tests.fem.runs import run
@@ -91,10 +91,10 @@ def tributary(sim):
 def edge_pair(scene, resolution=40):
     """|slip| of the edge node by each step, and the work per area friction took there."""
     model, path = prepare(scene, resolution=resolution), []
-    for step in levels(model):
-        path.append(model.interface.path[0])
-        drift(model, step)
-    return np.array(path), model.interface.work_density()[0]
+    for _ in levels(model):
+        path.append(model.joint.path[0])
+        model.drift()
+    return np.array(path), model.joint.work_density()[0]
 
 
 def test_totals_are_sums_of_every_step_stored_or_not():
@@ -203,11 +203,11 @@ def test_no_pressure_before_the_load_is_no_gap():
 
 
 def test_options_may_be_given_by_name_or_as_one_object():
-    scene, coarse = find_scene("preloaded"), Settings(resolution=20, element="P1")
-    by_name = simulate(scene, 0.5, resolution=20, element="P1", every=2)
+    scene, coarse = find_scene("preloaded"), Settings(resolution=20, damping=0.03)
+    by_name = simulate(scene, 0.5, resolution=20, damping=0.03, every=2)
     as_one = simulate(scene, 0.5, coarse, every=2)
     assert by_name.run == as_one.run
-    assert cost(scene, 0.5, coarse) == cost(scene, 0.5, resolution=20, element="P1")
+    assert cost(scene, 0.5, coarse) == cost(scene, 0.5, resolution=20, damping=0.03)
     assert cost(scene, 0.5, coarse).unknowns == as_one.unknowns
 
 

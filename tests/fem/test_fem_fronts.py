@@ -113,10 +113,10 @@ def test_a_wave_that_makes_the_contact_slip_later_is_refused():
 
 
 def test_fronts_reach_nodes_in_turn_and_shed_the_same_load():
-    x = np.array([-3.0, -2.0, -1.0, 0.0, -3.0])
+    x = np.array([-3.0, -2.0, -1.0, 0.0])
     delay = front_delays(x, -0.5)
     assert delay.shape[0] == len(x)
-    np.testing.assert_allclose(delay.mean(axis=1), [1.375, 1.0, 0.5, 0.125, 1.375])
+    np.testing.assert_allclose(delay.mean(axis=1), [1.375, 1.0, 0.5, 0.125])
     assert np.all(delay >= 0)
 
 

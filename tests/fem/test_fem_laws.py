@@ -8,8 +8,8 @@ from catalogue import PRELOADED, SHOCK, unit_scene
 
 import semianalytic as sf
 from fem import simulate
-from fem.elements.families import FAMILIES
 from fem.interface import BACKWARD, FORWARD, OPEN, STICK
+from fem.stepping import MarchedBody
 from semianalytic.scene.given.finding import find_scene
 from tests.fem.runs import FIELDS, LAWS, RISING, SCENES, UNLOADED, mixed, run, sheared
 
@@ -107,29 +107,20 @@ def test_shorter_steps_let_nodes_radiate_more():
 
 # --- one model against another ----------------------------------------------------------------
 
-HALVES = (
-    {f"remote, {element}": (SHOCK, {"element": element}) for element in FAMILIES}
-    | {name: (scene, {}) for name, scene in SCENES.items()}
-    | {
-        f"antiplane, pressure {pressure}": (
-            unit_scene(0.5, load=(pressure, 1.0), mode="antiplane"),
-            {"end_time": 0.5},
-        )
-        for pressure in (0.0, 0.4, -1.0)
-    }
-    | {"jumps, rate": RUNS["mixed jumps, rate"]}
-)
+HALVES = {
+    "preloaded": (SCENES["preloaded"], {}),
+    "antiplane": (unit_scene(0.5, load=(0.0, 1.0), mode="antiplane"), {"end_time": 0.5}),
+    "weakening": (sheared(RISING["ramp"], LAWS["slip"]), {}),
+}
 
 
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", HALVES)
 def test_half_block_equals_two_blocks(name):
-    """Out of plane the last opens: where it does, nothing holds slip along z."""
     scene, options = HALVES[name]
     half, two = run(scene, **options), run(scene, model="two-blocks", **options)
-    assert "half" in half.model or "halves" in half.model
+    assert "half" in half.model
     assert two.model == "two blocks"
-    assert (half.opened is not None) == (scene.load.pressure < 0 or name == "reclosing")
     for part, names, zero in (
         # rounding of order 1e-13; near the edge tractions are up to 20 times the load
         ("interface", FIELDS, 1e-10),
@@ -143,8 +134,7 @@ def test_half_block_equals_two_blocks(name):
 
 def test_scene_decides_the_model():
     assert run(SCENES["preloaded"]).model == "antisymmetric half"
-    assert run(SCENES["pressed"]).model == "symmetric half"
-    assert run(SCENES["remote"]).model == "antisymmetric and symmetric halves in lockstep"
+    assert run(SCENES["pressed"]).model == run(SCENES["remote"]).model == "two blocks"
 
 
 @pytest.mark.thinned(2)
@@ -152,7 +142,8 @@ def test_scene_decides_the_model():
 def test_trimmed_domain_and_window_change_nothing(scene, tmp_path, monkeypatch):
     """Same answer on the full domain with every node moving from the first step."""
     trimmed = run(scene)
-    monkeypatch.setattr("fem.model.Numbering.reached", lambda self, distance: len(self.order))
+    activate = MarchedBody.activate
+    monkeypatch.setattr(MarchedBody, "activate", lambda body, _: activate(body, np.inf))
     full = simulate(scene, resolution=32, snapshots=tmp_path, frames=1)
     assert full.unknowns > 1.5 * trimmed.unknowns
     for name in FIELDS:

@@ -6,7 +6,6 @@ from catalogue import UNIT, unit_scene
 
 from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from fem.elements.edge import edge_offset
-from fem.elements.families import FAMILIES
 from fem.loading import kick_means
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step
 from tests.fem.runs import FIELDS, LAWS, RISING, l1, mixed, run, sheared
@@ -72,7 +71,7 @@ def test_stuck_tractions_follow_the_history(history, resolution, most):
     seen, h = sim.interface, sim.element_size
     x = np.linspace(0.1003, 1.9, 91)
     # The edge that shear sees where the contact is stuck lies beside that of a closed contact.
-    beside = edge_offset([UNIT], FAMILIES["Q1"], held=0) - edge_offset([UNIT], FAMILIES["Q1"])
+    beside = edge_offset([UNIT], held=0) - edge_offset([UNIT])
     assert beside == pytest.approx(0.16, abs=0.005)
     assert np.abs(seen.slip_rate).max() < 1e-13
     for exact, amplitude, simulated, base, offset in (

@@ -14,55 +14,37 @@ from meshes.cache import cache_path
 from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, SceneError
 
-BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)
+BLOCKS = Blocks(size=0.1, left=4, right=6, height=3)
 TRIANGLES = replace(BLOCKS, pattern="triangles")
 
 
 def nodes_of(mesh, side):
     """Nodes of a side, which are the ends of so many element sides on the boundary."""
-    block = side.split("_")[0]
-    nodes = side_nodes(mesh.p, np.unique(mesh.t[:, mesh.subdomains[block]]), side)
+    nodes = side_nodes(mesh.p, side)
     outer = np.isin(mesh.facets[:, mesh.boundary_facets()], nodes).all(axis=0)
     assert outer.sum() >= len(nodes) - 1
     return nodes
 
 
-@pytest.mark.parametrize("lower", [False, True])
-def test_elements_are_squares_on_the_grid(lower):
-    blocks = Blocks(size=0.1, left=4, right=6, height=3, lower=lower)
-    mesh = mesh_of(blocks)
+def test_elements_are_squares_on_the_grid():
+    mesh = mesh_of(BLOCKS)
     x, y = mesh.p[:, mesh.t]
     area = (np.roll(y, -1, axis=0) * x - np.roll(x, -1, axis=0) * y).sum(axis=0) / 2
     np.testing.assert_allclose(area, 0.01, rtol=1e-12)  # positive: counter-clockwise
-    assert mesh.nelements == (2 if lower else 1) * 10 * 3
-    assert set(mesh.subdomains) == set(blocks.names)
-    for block in blocks.names:
-        for side, count in blocks.sides(block).items():
-            assert len(nodes_of(mesh, side)) == count + 1
-
-
-def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
-    blocks = replace(BLOCKS, pattern="graded", height=12)
-    mesh = mesh_of(blocks)
-    rows = np.unique(mesh.p[1, mesh.p[1] >= 0])
-    np.testing.assert_allclose(rows, blocks.rows, atol=1e-12)
-    heights = np.diff(rows)
-    np.testing.assert_allclose(heights, 0.1 + 0.05 * rows[:-1], rtol=1e-12)
-    assert rows[-1] == pytest.approx(blocks.far)
-    np.testing.assert_allclose(np.unique(-mesh.p[1, mesh.p[1] <= 0]), rows, atol=1e-12)
+    assert mesh.nelements == 10 * 3
+    for side, count in BLOCKS.sides.items():
+        assert len(nodes_of(mesh, side)) == count + 1
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("lower", [False, True])
-def test_triangles_cover_the_blocks(lower):
-    blocks = replace(BLOCKS, pattern="triangles", lower=lower)
-    mesh = mesh_of(blocks)
+def test_triangles_cover_the_block():
+    mesh = mesh_of(TRIANGLES)
     assert mesh.t.shape[0] == 3
     (x, y) = mesh.p[:, mesh.t]
     area = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
-    assert np.abs(area).sum() == pytest.approx((2 if lower else 1) * 1.0 * 0.3, rel=1e-9)
+    assert np.abs(area).sum() == pytest.approx(1.0 * 0.3, rel=1e-9)
     assert np.abs(area).min() > 0.1 * 0.1**2  # no slivers
-    on_side = nodes_of(mesh, "upper_contact")
+    on_side = nodes_of(mesh, "contact")
     np.testing.assert_allclose(mesh.p[0, on_side], 0.1 * np.arange(7), atol=1e-15)
 
 
@@ -95,13 +77,12 @@ def move_an_inner_node(raw):
     raw.points[np.argmin(np.abs(raw.points - [0.0, 0.15, 0.0]).sum(axis=1))] += [0.0, 9.0, 0.0]
 
 
-FACES = [(f"upper_{one}", f"lower_{one}") for one in ("slot", "contact")]
 COVER = "do not cover it once|has a boundary besides|belong to no element"
 DAMAGED = [
-    (exchange(("upper_slot", "upper_contact")), "upper_slot"),
-    (exchange(*FACES), "upper_slot"),
+    (exchange(("slot", "contact")), "slot"),
+    (exchange(("left", "right")), "right"),
     (repeat("line"), "does not consist of"),
-    (lambda raw: raw.cell_sets.pop("lower_bottom"), "lower_bottom"),
+    (lambda raw: raw.cell_sets.pop("far"), "far"),
     (repeat("triangle"), COVER),
     (move_an_inner_node, COVER),
 ]
@@ -123,32 +104,17 @@ def test_sides_and_cells_are_those_of_the_blocks(damage, complaint, tmp_path, mo
         read_mesh(tmp_path / "blocks.msh", TRIANGLES)
 
 
-@pytest.mark.parametrize("pattern", ["squares", "graded"])
-def test_extents_do_not_depend_on_the_pattern(pattern):
-    squares, other = (causal_blocks(2.0, 1.0, 0.02, pattern=kind) for kind in ("squares", pattern))
-    assert (other.left, other.right) == (squares.left, squares.right)
-    assert squares.far - 0.02 < other.far < 1.1 * squares.far
-
-
 def test_free_walls_are_farther_away():
     held, free = (causal_blocks(2.0, 1.0, 0.02, free_walls=one) for one in (False, True))
     assert free.left * 0.02 > 2.0 * 1.5
     assert (free.right, free.height) == (held.right, held.height)
 
 
-def test_faces_match_and_meet_at_the_edge_but_share_no_node():
+def test_faces_meet_at_the_edge():
     mesh = mesh_of(BLOCKS)
-    for face in ("slot", "contact"):
-        upper, lower = (nodes_of(mesh, f"{block}_{face}") for block in BLOCKS.names)
-        assert not set(upper) & set(lower)
-        np.testing.assert_array_equal(mesh.p[:, upper], mesh.p[:, lower])
-    for block in BLOCKS.names:
-        slot, contact = (nodes_of(mesh, f"{block}_{face}") for face in ("slot", "contact"))
-        assert slot[-1] == contact[0]
-        np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
-    parts = [set(mesh.t[:, mesh.subdomains[block]].ravel()) for block in BLOCKS.names]
-    assert not parts[0] & parts[1]
-    assert len(parts[0] | parts[1]) == mesh.nvertices
+    slot, contact = (nodes_of(mesh, face) for face in ("slot", "contact"))
+    assert slot[-1] == contact[0]
+    np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
 
 
 @pytest.mark.parametrize("speed", [2.3, 2.8, 4.0, 6.6])
@@ -197,7 +163,6 @@ def test_every_parameter_has_its_own_cache_entry():
         Blocks(0.1, 5, 6, 3),
         Blocks(0.1, 4, 5, 3),
         Blocks(0.1, 4, 6, 4),
-        BLOCKS,
         TRIANGLES,
     ]
     assert len({cache_path(blocks) for blocks in variants}) == len(variants)

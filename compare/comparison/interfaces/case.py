@@ -32,7 +32,7 @@ from compare.comparison.quantities.own_rows import (
 )
 from compare.comparison.rows import Row
 from fem.lines import LineSimulation
-from fem.model import RATE_WINDOW
+from fem.march import RATE_WINDOW
 from semianalytic import Run
 from semianalytic.engine.result import LineFields
 from semianalytic.engine.stepping.pace import in_fours

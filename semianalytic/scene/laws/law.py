@@ -165,6 +165,8 @@ class Law(Alike, ABC):
         exactly: dp'/dt = (p - p') / `pressure_delay`.
         """
         delay = np.asarray(self.pressure_delay(speed), dtype=float)
+        if not delay.any():
+            return np.array(after, dtype=float)
         with np.errstate(divide="ignore"):
             lag = time / delay
         left = np.exp(-lag)

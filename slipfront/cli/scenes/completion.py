@@ -15,8 +15,7 @@ QUANTITIES = (
 )
 MESH_NAMES = {
     "model": ("auto", "two-blocks"),
-    "element": ("P1", "Q1", "Q2"),
-    "mesh": ("squares", "graded", "triangles"),
+    "mesh": ("squares", "triangles"),
 }
 FORMATS = ("gif", "mp4")
 """Choices of options.  They repeat those of the functions, whose modules import numpy: importing

@@ -13,7 +13,7 @@ import semianalytic as sf
 from fem import simulate
 from fem.model import prepare
 from fem.results import load_simulation
-from fem.run import drift, levels
+from fem.run import levels
 from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted
 
 
@@ -119,8 +119,8 @@ def single_step_rate(scene, resolution):
     model = prepare(scene, resolution=resolution, full=True)
     for step in levels(model):
         if step < model.steps:
-            drift(model, step)
-    return model.interface.sliding.mean_increment()[1:] / model.time_step
+            model.drift()
+    return model.joint.sliding.mean_increment()[1:] / model.time_step
 
 
 def faces(frame, nodes):

@@ -110,8 +110,7 @@ def test_names_are_those_of_the_functions_that_take_them():
     assert tuple(OWN_FIGURES) == completion.FIGURES
     assert completion.MODES == MODES
     assert completion.LOADED == LOADED
-    assert completion.MESH_NAMES["element"] == tuple(FAMILIES)
-    assert completion.MESH_NAMES["mesh"] == PATTERNS
+    assert completion.MESH_NAMES["mesh"] == PATTERNS == tuple(FAMILIES)
     for method in completion.METHODS:
         assert chosen(preloaded, method).name in completion.METHODS
     assert set(completion.scene_names("")) >= {*NAMED_SCENES, *NAMED_LINES}

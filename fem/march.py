@@ -1,0 +1,166 @@
+"""Two bodies and their joint, marched from one time level to the next."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from skfem import MeshQuad
+
+from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
+from fem.interface import ContactFace, FacePair, Joint
+from fem.stepping import MarchedBody, highest_frequency, normalised
+from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.material import Material
+
+RATE_WINDOW = 2.8
+"""Elements that a shear wave crosses in the time over which slip rates are averaged.  The surface
+of a mesh rings with about that period; the error of averaged slip rates is half of that of single
+steps (docs/fem.md)."""
+
+
+def half_window(size: float, speed: float, step: float) -> int:
+    """Return the steps before and after a level over which its slip rate is the mean.
+
+    The elements have a size [length], and the shear wave a speed [length / time].
+    """
+    return max(1, round(RATE_WINDOW / 2 * size / speed / step))
+
+
+PATCH = 24
+"""Elements along a side of the patch."""
+
+
+def highest_of_patch(size: float, material: Material, components: tuple[int, ...]) -> float:
+    """Return the largest eigenfrequency of a free patch of squares [1 / time].
+
+    The fastest mode of a block is localised in its corners, so a patch of a few elements has it,
+    and no block that is larger or held exceeds it.  Squares have sides of a size [length].
+    """
+    side = size * np.arange(PATCH + 1.0)
+    space = Space(MeshQuad.init_tensor(side, side))
+    matrix, _ = normalised(STIFFNESS[components](space, material), lumped_mass(space, material))
+    return highest_frequency(matrix, tol=1e-7)
+
+
+def body_matrix(
+    space: Space, material: Material, components: tuple[int, ...], place: NDArray[np.int64]
+) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+    """Return stiffness and roots of masses of a body, as `normalised`, with nodes at new places."""
+    mass = lumped_mass(space, material, place)
+    return normalised(STIFFNESS[components](space, material, place), mass)
+
+
+def unknowns_of(
+    numbers: NDArray[np.int64], component: int, components: tuple[int, ...]
+) -> NDArray[np.int64]:
+    """Return the unknowns of one displacement component at nodes of given numbers."""
+    return len(components) * numbers + components.index(component)
+
+
+def face_pair(
+    bodies: list[MarchedBody],
+    numbers: NDArray[np.int64],
+    length: NDArray[np.float64],
+    step: float,
+    component: int,
+) -> FacePair:
+    """Return one component of motion of nodes with given numbers on the faces of bodies.
+
+    Bodies are the upper one and, unless it moves oppositely, the lower one.
+    """
+    faces = []
+    for body, sign in zip(bodies, (1.0, -1.0), strict=False):
+        unknowns = unknowns_of(numbers, component, body.components)
+        # the lower body is described by its mirror image, whose u_y is the opposite
+        sign = 1.0 if component == Y else sign
+        faces.append(ContactFace(body, unknowns, sign / body.root[unknowns]))
+    return FacePair(faces, length, step)
+
+
+@dataclass(frozen=True)
+class Walls:
+    """Side walls that let plane waves pass along them.
+
+    Of the motion in which blocks move oppositely along x they hold u_y, of the rest u_x.
+
+    Parameters
+    ----------
+    bodies : list of MarchedBody
+        The upper body and, unless it moves oppositely, the lower one.
+    along, across : arrays
+        Unknowns of u_x and of u_y on the walls.
+    """
+
+    bodies: list[MarchedBody]
+    along: NDArray[np.int64]
+    across: NDArray[np.int64]
+
+    def hold(self) -> None:
+        """Hold these parts of the increments."""
+        upper, *lower = (body.increment for body in self.bodies)
+        if not lower:
+            upper[self.across] = 0.0
+            return
+        odd = (upper[self.along] - lower[0][self.along]) / 2
+        upper[self.along], lower[0][self.along] = odd, -odd
+        even = (upper[self.across] + lower[0][self.across]) / 2
+        upper[self.across] = lower[0][self.across] = even
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class March:
+    """Bodies and joint at rest, ready for one march in time.
+
+    Attributes
+    ----------
+    bodies : list of MarchedBody
+        Upper ones before lower ones, which are left out where they move oppositely.
+    joint : Joint
+    time_step : float
+        dt [time].
+    copies : int
+        Number of blocks that a body stands for: 2 where the lower one moves oppositely.
+    walls : Walls or None
+        Side walls that are not free.
+    """
+
+    bodies: list[MarchedBody]
+    joint: Joint
+    time_step: float
+    copies: int
+    walls: Walls | None = None
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of all bodies."""
+        return sum(len(body.root) for body in self.bodies)
+
+    def kick(self, level: int) -> None:
+        """Kick the bodies at a time level; forces act for half a step at t = 0, from rest."""
+        for body in self.bodies:
+            body.activate((level + 1) * self.time_step)
+            body.kick()
+        if not math.isfinite(sum(body.energy.kinetic for body in self.bodies)):
+            raise ComputationError(
+                f"the simulation lost its finite values at step {level}; "
+                "lower `step_ratio`, or give loads and moduli of ordinary size."
+            )
+        if self.walls is not None:
+            self.walls.hold()
+        self.joint.act(level, 1.0 if level else 0.5)
+
+    def drift(self) -> None:
+        """Move the bodies on to the next time level, after its kick."""
+        for body in self.bodies:
+            body.drift()
+
+    def energies(self) -> NDArray[np.float64]:
+        """Return the energies in the middle of the past step, in the order of `EnergyHistory`."""
+        bodies = np.sum([body.energy for body in self.bodies], axis=0)
+        kinetic, strain, damping = bodies * self.copies / self.time_step**2
+        friction, impact, external = self.joint.work
+        return np.array([kinetic, strain, friction, damping, external, impact])
