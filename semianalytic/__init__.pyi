@@ -5,9 +5,6 @@ from semianalytic import regimes as regimes
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability
 from semianalytic.engine.result import Run as Run
 from semianalytic.engine.scenes.marched import Marched as Marched
-from semianalytic.field.derived import fringe_order as fringe_order
-from semianalytic.field.derived import fringes as fringes
-from semianalytic.field.derived import strain as strain
 from semianalytic.inversion.fitted import Fit as Fit
 from semianalytic.inversion.fitting import fit as fit
 from semianalytic.inversion.gauges import Gauge as Gauge
@@ -16,6 +13,9 @@ from semianalytic.inversion.priors import Normal as Normal
 from semianalytic.inversion.priors import Uniform as Uniform
 from semianalytic.inversion.unknowns import Setup as Setup
 from semianalytic.methods import solve as solve
+from semianalytic.results.derived import fringe_order as fringe_order
+from semianalytic.results.derived import fringes as fringes
+from semianalytic.results.derived import strain as strain
 from semianalytic.results.reading import Reading as Reading
 from semianalytic.scene.errors import ComputationError as ComputationError
 from semianalytic.scene.errors import DataFileError as DataFileError

@@ -257,7 +257,15 @@ SHOWN = {"scene.py", "sampled.py", "style.py"}
 SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
 """Folders whose contact carries nothing but the base, and a load that they know themselves."""
 ALONG_LINE = {
-    *("acting.py", "estimate.py", "line.py", "result.py", "steps.py"),
+    *(
+        "acting.py",
+        "beside_edges.py",
+        "bodies.py",
+        "estimate.py",
+        "line.py",
+        "result.py",
+        "steps.py",
+    ),
     *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py"),
 }
 """Files of scenes on a line, whose loads act beside the base."""

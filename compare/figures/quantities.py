@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compare.comparison.scales import stress_scale
 from compare.output.field_files import Fields, in_parts, resolved
 from semianalytic import Scene, SceneError, fringes
-from semianalytic.field.derived import principal_difference
+from semianalytic.results.derived import principal_difference
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import unit
 

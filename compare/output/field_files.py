@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from compare.output.places import write_text
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.field.derived import strain
 from semianalytic.results.answer import WholeFields
+from semianalytic.results.derived import strain
 from semianalytic.scene.units import unit
 
 Array = NDArray[np.float64]

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import edge_factors, zone_beside_edge
-from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERROR
 from semianalytic.scene.line.fields import at_nodes
 
@@ -72,7 +71,7 @@ class EdgeNodes:
         The run, on m frames.
     """
 
-    def __init__(self, done: Run) -> None:
+    def __init__(self, done: Any) -> None:
         self._done, known = done, done.interface
         self._on, self._spacing = known.touching, done.scene.period / done.nodes
         left, right = np.roll(self._on, 1), np.roll(self._on, -1)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.engine.bodies.marched_bodies import MarchedAnswer
-from semianalytic.results.places import line_points, line_positions
+from semianalytic.results.intervals import line_points, line_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
     Finder,

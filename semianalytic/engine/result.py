@@ -205,11 +205,6 @@ class Run(LineAnswer):
         return bodies_on(self.scene, self.motion, grid)
 
     @property
-    def nearest_depth(self) -> float:
-        """Least distance from the interface at which stress is known: that of nodes [length]."""
-        return self.scene.period / self.nodes
-
-    @property
     def _weights(self) -> Array:
         """Length of the line for which each node stands, (n,) [length]."""
         weights = np.full(len(self.interface.x), self.scene.period / self.nodes)

@@ -71,8 +71,8 @@ class Bodies:
         rows = self.stress_unit * self._rows("stress", x, y, t)
         if isinstance(self.scene.load, IncidentWave):
             rows = self._with_wave(rows, "stress", x, y, t)
-            rows[1] -= self.scene.base.pressure
-            rows[-1] += self.scene.base.shear
+            rows[1] -= self.scene.before_load.pressure
+            rows[-1] += self.scene.before_load.shear
             return rows
         # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
         # known.

@@ -38,8 +38,6 @@ def fit(
 ) -> Fit:
     """Fit parameters of a scene, and of the set-up, to records by least squares.
 
-    docs/inversion.md describes the method.
-
     Parameters
     ----------
     gauges : sequence of Gauge

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.field.derived import strain
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.results.derived import strain
 from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene

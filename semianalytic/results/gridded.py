@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.field.derived import strain
 from semianalytic.results.answer import (
     Answer,
     Array,
@@ -19,6 +18,7 @@ from semianalytic.results.answer import (
     answer_dataset,
     sampled_history,
 )
+from semianalytic.results.derived import strain
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.arguments import asked_in_units

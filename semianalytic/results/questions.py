@@ -13,11 +13,11 @@ from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arri
 from semianalytic.results.intervals import (
     EDGE_STEPS,
     beside_openings,
+    finite_times,
     front_speeds,
     open_intervals,
     slip_intervals,
 )
-from semianalytic.results.places import finite_times
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
-from semianalytic.results.places import contact_positions, line_positions
+from semianalytic.results.intervals import contact_positions, line_positions
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]

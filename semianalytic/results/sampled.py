@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.places import contact_positions
+from semianalytic.results.intervals import contact_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
     ROUNDING,

@@ -16,7 +16,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.gridded import AnswerInBodies
-from semianalytic.results.places import finite_times
+from semianalytic.results.intervals import finite_times
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import traction_ahead

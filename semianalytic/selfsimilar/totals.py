@@ -22,7 +22,7 @@ from semianalytic.cut.totals import (
     slipped_rate,
 )
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.places import finite_times
+from semianalytic.results.intervals import finite_times
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.zones.motion import SlipZone, over_slowness

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, rayleigh_factors
-from semianalytic.results.places import contact_points
+from semianalytic.results.intervals import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import checked_arrival
-from semianalytic.results.places import line_points, line_positions
+from semianalytic.results.intervals import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.loading import Patch, PointForce

@@ -21,7 +21,7 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 from semianalytic.halfplane.stuck_histories import superposed
 from semianalytic.halfplane.velocities import square_root_panels
-from semianalytic.results.places import contact_points
+from semianalytic.results.intervals import contact_points
 from semianalytic.scene.loads import LoadHistory, Wave
 from semianalytic.scene.scene import Material
 

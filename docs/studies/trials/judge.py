@@ -203,7 +203,7 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
         if broken is None:
             continue
         judgement, effect = _caught(case, [broken, *coarser]), math.inf
-        if judgement is not None and case.is_scene:
+        if judgement is not None:
             effect = _effect(case.judged([flawed or exact, *coarser]).rows, bars)
             laws = [one.over_bar for one in judgement.rows if one.kind == "law"]
             effect = max(effect, *laws)

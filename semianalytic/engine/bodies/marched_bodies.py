@@ -288,6 +288,11 @@ class MarchedAnswer(AnswerInBodies):
         def end_time(self) -> float:
             """The last time [time]."""
 
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known: that of nodes [length]."""
+        return float(self._bodies.nearest)
+
     def error_of(self, reading: Callable[[Any], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
 

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.motion import Levels
-from semianalytic.engine.bodies.transfer import decays, potentials, shares
+from semianalytic.engine.bodies.transfer import decays, potentials
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
@@ -142,10 +142,9 @@ class Spectrum:
                 part = slice(start, start + block)
                 ahead, back = levels.transformed(lines[part])
                 sides = [ahead * placed[part], back * placed[part].conj()][: 2 - even]
-                if name == "z":
-                    drives = [shares(bodies, lower, q[part, None], s)]
-                else:
-                    drives = list(potentials(bodies, lower, q[part, None], s)[name == "y"])
+                drives: tuple[Any, ...] = (-0.5 if lower else 0.5,)  # v_z of either face
+                if name != "z":
+                    drives = potentials(bodies, lower, q[part, None], s)[name == "y"]
                 for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
                     waves[wave][0, part] += drive * sides[0]
                     if not even:

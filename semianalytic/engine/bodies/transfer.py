@@ -62,16 +62,6 @@ def potentials(
     return (sign * once, sign * twice / (2 * b)), (-twice / (2 * a), once)
 
 
-def shares(bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex) -> Complex:
-    """Return v_z on the face of a body over the slip rate along z."""
-    sign = -1.0 if lower else 1.0
-    if len(bodies) == 1:
-        return np.full(np.broadcast(q, s).shape, sign / 2, dtype=complex)
-    # both faces carry one traction: mu B of each body times its velocity
-    stiff = [body.shear_modulus * decays(body, q, s)[1] for body in bodies]
-    return np.asarray(sign * stiff[not lower] / (stiff[0] + stiff[1]))
-
-
 def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> list[Complex]:
     """Return D = A B - q^2 and Z11, Z12, Z22 of sigma_xy = Z11 w_x + Z12 w_y on the upper body.
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from numpy.typing import NDArray
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.scenes.loads import FreeFaces, front_of
-from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.scenes.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
@@ -30,7 +30,7 @@ MARGIN = 1.05
 """How far behind the edge fields are known, over the distance that waves travel."""
 
 
-def bodies_beside_slot(marched: Marched) -> MarchedBodies:
+def bodies_beside_slot(marched: Any) -> MarchedBodies:
     """Return the bodies of a march beside a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
     if marched.entry and not scene.front_too_slow:  # no wave may tell where the load begins
@@ -51,7 +51,7 @@ def bodies_beside_slot(marched: Marched) -> MarchedBodies:
     return MarchedBodies(scene, motion, first, spacing, edges, centre, *ends)
 
 
-def _longer(marched: Marched) -> ContactGrid:
+def _longer(marched: Any) -> ContactGrid:
     """Return the nodes of a march with a slot so long that no mirror image is seen behind it."""
     from scipy.fft import next_fast_len
 
@@ -69,7 +69,7 @@ def _longer(marched: Marched) -> ContactGrid:
     return ContactGrid(grid.spacing, size - contact, grid.observed, size)
 
 
-def _slip(marched: Marched) -> Callable[[Array, bool], Array]:
+def _slip(marched: Any) -> Callable[[Array, bool], Array]:
     """Return the slip rates of the contact that a march has found, those of its end beyond."""
     known = marched.interface
     beyond = marched.grid.size - marched.grid.slot - marched.grid.observed
@@ -91,7 +91,7 @@ def _slip(marched: Marched) -> Callable[[Array, bool], Array]:
     return given
 
 
-def _moved(marched: Marched, line: FreeFaces) -> Motion:
+def _moved(marched: Any, line: FreeFaces) -> Motion:
     """Return the motion of a line from the beginning of its load until the end of a march."""
     rest, begins = np.zeros(line.grid.nodes // 2), marched.begins
     none = rest[line.kept]

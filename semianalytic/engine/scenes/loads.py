@@ -14,7 +14,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
@@ -250,7 +249,7 @@ class FreeFaces(ClosedLine):
 
     def __init__(
         self,
-        marched: Marched,
+        marched: Any,
         nodes: ContactGrid,
         name: Literal["pressure", "shear"],
         front: Front | None,
@@ -320,7 +319,7 @@ class FrontPressure(FreeFaces):
         Largest time step before that time [time].
     """
 
-    def __init__(self, marched: Marched, front: Front, step: float) -> None:
+    def __init__(self, marched: Any, front: Front, step: float) -> None:
         nodes = marched.grid
         super().__init__(marched, nodes, "pressure", front)
         none = np.zeros(nodes.size - nodes.slot)

@@ -330,11 +330,6 @@ class Marched(MarchedAnswer, SampledAnswer):
         return bodies_beside_slot(self)
 
     @property
-    def nearest_depth(self) -> float:
-        """Least distance from the interface at which stress is known: that of nodes [length]."""
-        return self.grid.spacing
-
-    @property
     def final_path(self) -> Array:
         """Accumulated |slip| at the observed nodes until the end (n,) [length]."""
         return self.reached.state[: self.grid.observed]

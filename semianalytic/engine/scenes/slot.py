@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.scenes.loads import SWEEPS, FrontPressure, GridPressure, front_of
-from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.stepping.advance import CUT, Span
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, Level
@@ -39,7 +39,7 @@ class SlotLine(ClosedLine):
 
     sweeps, means_last = SWEEPS, True
 
-    def __init__(self, marched: Marched, finest: float) -> None:
+    def __init__(self, marched: Any, finest: float) -> None:
         scene, nodes = marched.scene, marched.grid
         self.scene, self.damping, self.kept = scene, marched.damping, nodes.contact
         self._latest = marched.latest
@@ -121,7 +121,7 @@ class SlotLine(ClosedLine):
         self.scene.check_weakening(float(pressure.max()))
 
 
-def spans_until(marched: Marched) -> list[Span]:
+def spans_until(marched: Any) -> list[Span]:
     """Return the spans between jumps of the loads until the latest time, in pairs of equal steps.
 
     The end of each pair is a level of the companion as well.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.results.places import contact_points
+from semianalytic.results.intervals import contact_points
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.weak_friction import slip_senses

@@ -9,7 +9,7 @@ import pytest
 import semianalytic as sf
 from semianalytic.engine.bodies.motion import Levels, MotionRecord
 from semianalytic.engine.bodies.spectrum import terms_of
-from semianalytic.engine.bodies.transfer import decays, potentials, shares
+from semianalytic.engine.bodies.transfer import decays, potentials
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 
@@ -60,10 +60,8 @@ def test_waves_of_moving_faces_have_the_values_of_another_computation(case):
 
 
 def test_waves_along_z_and_of_bodies_that_are_equal():
-    found = np.array(
-        [sent(name, SOLID, {"Z": shares((SOLID,), False, Q, S)}) for name in ("velocity",)]
-        + [[2 * one] for one in sent("strain", SOLID, {"Z": shares((SOLID,), False, Q, S)})]
-    ).ravel()
+    (velocity,), strains = (sent(asked, SOLID, {"Z": 0.5}) for asked in ("velocity", "strain"))
+    found = [velocity, *(2 * one for one in strains)]
     known = [0.2618261411 - 0.2342138567j, 0.1988278091 - 0.0922353560j]
     np.testing.assert_allclose(found, [*known, -0.1875758324 + 0.2291572215j], atol=1e-10)
     for lower in (False, True):

@@ -103,8 +103,7 @@ def test_status_error_and_looks(name, tmp_path):
     one.animate(tmp_path / "a.gif", [0.4, 0.9])
     assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF89a")
     if hasattr(one, "interface"):  # slip rate over (x, t), and three waves from each end of slip
-        along = hasattr(one.interface, "touching")
-        ends = 2 * np.isfinite(one.onset).any() if along else 1
+        ends = 2 * np.isfinite(one.onset).any() if hasattr(one.interface, "touching") else 1
         assert len(one.plot().lines) == 3 * ends
     matplotlib.pyplot.close("all")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from semianalytic import SceneError, find, fringe_order, fringes, solve, strain
-from semianalytic.field.derived import principal_difference
+from semianalytic.results.derived import principal_difference
 
 X, Y, T = np.array([0.4, -0.7, 0.3]), np.array([0.2, 0.5, -0.6]), 1.0
 STEP = 1e-3
