@@ -1,7 +1,7 @@
 """Times of common jobs in this checkout and in a commit: ``python -m docs.studies.speed COMMIT``.
 
 Each job runs in both checkouts in turn, in one process of one thread each, and the least processor
-times are compared: other load on the machine slows both.  ``--output docs`` writes data/speed.csv.
+times are compared: other load on the machine slows both.  The rows are those of docs/speed.md.
 """
 
 from __future__ import annotations
@@ -144,14 +144,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m docs.studies.speed", description=__doc__)
     parser.add_argument("commit", nargs="?", default="HEAD~1", help="commit to compare with")
     parser.add_argument("--jobs", default="", help="only jobs whose names hold this")
-    parser.add_argument("--output", type=Path, metavar="FOLDER", help="where to write; docs")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.serve:
         for line in sys.stdin:
             print("\nseconds", json.dumps(JOBS[line.rstrip("\n")][1]()), flush=True)
         return
-    rows = []
     with tempfile.TemporaryDirectory() as folder:
         packed = subprocess.check_output(["git", "-C", str(ROOT), "archive", options.commit])
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
@@ -160,13 +158,7 @@ def main() -> None:
             for job in (name for name in JOBS if options.jobs in name):
                 pairs = [(run_job(one, job), run_job(other, job)) for _ in range(JOBS[job][0])]
                 before, now = map(min, zip(*pairs, strict=True))
-                rows.append({"job": job, "before": before, "now": now, "ratio": now / before})
                 print(f"| {job} | {before:.2g} | {now:.2g} | {now / before:.2f} |", flush=True)
-    if options.output is not None:
-        from docs.studies.runner import write_table
-
-        made = f"python -m docs.studies.speed {options.commit} --output docs"
-        write_table(options.output / "data" / "speed.csv", rows, made)
 
 
 if __name__ == "__main__":
