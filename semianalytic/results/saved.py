@@ -29,11 +29,7 @@ class SavedScene:
 
 
 def write_answer(
-    path: str | Path,
-    kind: str,
-    answer: Any,
-    *,
-    compression: int | None = None,
+    path: str | Path, kind: str, answer: Any, *, compression: int | None = None
 ) -> None:
     """Write an answer to a file that appears under its name only when it is complete.
 
