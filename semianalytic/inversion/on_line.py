@@ -37,13 +37,7 @@ from semianalytic.scene.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class RecordedRun:
-    """A run as gauges see it, at any position and time.
-
-    Attributes
-    ----------
-    scene : Scene
-    run : Run
-    """
+    """A run of a scene as gauges see it, at any position and time."""
 
     scene: Scene
     run: Run

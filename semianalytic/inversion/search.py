@@ -68,12 +68,12 @@ def minima(trials: Trials) -> list[Minimum]:
     # Cut short: most starts lead to minima that are not the lowest, and these need no digits.
     for number, start in enumerate(starts):
         trials.expect((len(starts) - number) * descent + around)
-        _add(ends, descend(trials, start, SHORT))
+        refine(trials, ends, start, SHORT)
     for _ in range(ROUNDS):
         trials.expect(around)  # one round is expected to do, as it mostly does
         lowest = ends[0].chi2
         for start in surroundings(trials, ends[0]):
-            _add(ends, descend(trials, start, SHORT))
+            refine(trials, ends, start, SHORT)
         if ends[0].chi2 > lowest - WORTH:
             break
     if not ends[0].converged:
@@ -81,13 +81,12 @@ def minima(trials: Trials) -> list[Minimum]:
     return ends
 
 
-def refine(trials: Trials, ends: list[Minimum], start: Array) -> None:
-    """Add the minimum below a start to a list of minima, the lowest of which stays first."""
-    _add(ends, descend(trials, start))
+def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None = None) -> None:
+    """Add the minimum below a start to a list, the lowest first; of those alike, the lowest stays.
 
-
-def _add(ends: list[Minimum], end: Minimum) -> None:
-    """Add a minimum to a list; of minima that are the same, the lowest stays."""
+    So many solutions are computed at most.
+    """
+    end = descend(trials, start, most)
     # A new minimum replaces those that it is the better end of.
     near = [one for one in ends if one.distance(end.scaled) < 0.5]  # nearer minima count as one
     if not near or end.chi2 < min(one.chi2 for one in near):

@@ -120,10 +120,6 @@ class Trials:
         """Return scene and set-up for values over `sizes`; errors are those of `Scene`."""
         return self.unknowns.at((scaled * self.sizes).tolist())
 
-    def solution(self, scaled: Array) -> Solution:
-        """Return the solution for values over `sizes`; errors are those of `solve`."""
-        return self._solved(self.at(scaled)[0])
-
     def _solved(self, scene: Scene) -> Solution:
         solution = self._known.get(scene)
         if solution is None:
@@ -142,8 +138,8 @@ class Trials:
         """Return misfits (n,) of samples and priors, in deviations; infinite without a scene."""
         try:
             scene, setup = self.at(scaled)
-            solution = self._solved(scene)
-            return self.misfit_of(solution, setup, scaled)
+            seen = self.samples.of(self._solved(scene), setup)
+            return self._misfit(seen, setup, scaled)
         # A trial that makes no scene is infinitely bad, not an error: the search may look anywhere.
         except (SceneError, ComputationError):
             return np.full(self.rows, np.inf)
@@ -191,10 +187,6 @@ class Trials:
         steady = isinstance(scene.load, Tractions) and scene.load.pressure == 0
         pressed = scene.superposition.in_place.pressure > 0
         return steady and pressed and seen <= set(INTERFACE) - {"pressure"}
-
-    def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
-        """Return the misfits (n,) of a solution that is known."""
-        return self._misfit(self.samples.of(solution, setup), setup, scaled)
 
     def _misfit(self, seen: Array, setup: Setup, scaled: Array) -> Array:
         """Return the misfits (n,) of what gauges would have seen without their gain."""
@@ -331,8 +323,8 @@ class Trials:
         return ~self.samples.on_interface & (name in PARAMETERS)
 
     def final(self, scaled: Array) -> Solution:
-        """Return the solution of the result."""
-        return self.solution(scaled)
+        """Return the solution of the result; errors are those of `solve`."""
+        return self._solved(self.at(scaled)[0])
 
     def grid_error(self, scaled: Array, fine: Solution) -> float:
         """Return by how much a grid changes records, over their noise: solutions have none."""

@@ -86,17 +86,13 @@ class Unknowns:
             scene = with_numbers(self.scene, given)
             self._made.clear()  # trials of the set-up alone, one after another, share the last
             self._made[key] = scene
-        return scene, self.setup_with(of_setup)
-
-    def setup_with(self, values: Mapping[str, float]) -> Setup:
-        """Return the set-up with other values of some of its parameters."""
         setup = self.setup
-        for name, value in values.items():
+        for name, value in of_setup.items():
             changed: Any = {name: value}
             if name not in SETUP:
                 changed = {"gains": {**setup.gains, name.removeprefix(_LONE_GAIN): value}}
             setup = replace(setup, **changed)
-        return setup
+        return scene, setup
 
     def alone(self, name: str, scene: Any, setup: Setup) -> Self:
         """Return one of the unknowns, with another scene and set-up that hold all others."""

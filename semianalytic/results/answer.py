@@ -71,65 +71,7 @@ class OpenInterval:
     end: float
 
 
-class ContactFields(Protocol):
-    """Slip, tractions, gap and totals of a contact, whatever describes the problem.
-
-    `Answer` says what positions, times and signs mean; it also knows the scene that was asked.
-    """
-
-    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip rate [length / time]."""
-        ...
-
-    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip since t = 0 [length]."""
-        ...
-
-    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Shear traction sigma_xy [stress]."""
-        ...
-
-    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress], 0 where the contact is open."""
-        ...
-
-    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the opening of the contact [length], 0 where it is closed."""
-        ...
-
-    def max_slip(self, t: ArrayLike) -> Array:
-        """Largest |slip| on the contact at times t [length]."""
-        ...
-
-    def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Integral over the contact of the |slip| accumulated until t [length^2]."""
-        ...
-
-    def frictional_work(self, t: ArrayLike) -> Array:
-        """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
-        ...
-
-    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """Return the parts that slip at a time, from the contact edge outward.
-
-        There are none before the load.  Open parts move without friction and are not among them.
-        """
-        ...
-
-    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """Return the open parts at a time, from the contact edge outward."""
-        ...
-
-    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """Return all fields at positions x (n,) and times t (m,)."""
-        ...
-
-    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
-        ...
-
-
-class Answer(ContactFields, Protocol):
+class Answer(Protocol):
     """An answer to a scene: slip, tractions, gap and totals of the contact, from any solver.
 
     Positions x > 0 [length] and times t [time] broadcast; before t = 0 the base state is returned.
@@ -151,7 +93,45 @@ class Answer(ContactFields, Protocol):
     @property
     def scene(self) -> Scene:
         """The scene that was asked."""
-        ...
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate [length / time]."""
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip since t = 0 [length]."""
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Shear traction sigma_xy [stress]."""
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress], 0 where the contact is open."""
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return the opening of the contact [length], 0 where it is closed."""
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| on the contact at times t [length]."""
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the contact of the |slip| accumulated until t [length^2]."""
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """Return the parts that slip at a time, from the contact edge outward.
+
+        There are none before the load.  Open parts move without friction and are not among them.
+        """
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """Return the open parts at a time, from the contact edge outward."""
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """Return all fields at positions x (n,) and times t (m,)."""
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
 
 
 @runtime_checkable
@@ -165,19 +145,15 @@ class BodyFields(Protocol):
     @property
     def has_bodies(self) -> bool:
         """Whether the answer knows the fields in the bodies."""
-        ...
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Particle velocity (2, ...), in antiplane shear (3, ...) [length / time]."""
-        ...
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Stress (3, ...), in antiplane shear (5, ...), tension positive [stress]."""
-        ...
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Displacement since t = 0 (2, ...), in antiplane shear (3, ...) [length]."""
-        ...
 
 
 @runtime_checkable
@@ -192,7 +168,7 @@ def checked_arrival(of: object) -> str:
     return str(of)
 
 
-def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
     """Return all fields at x (n,) [length] and t (m,) [time]; refuse 70 % of the memory."""
     x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
     # Looking at the memory takes longer than small histories do.
@@ -210,21 +186,7 @@ def sampled_history(answer: ContactFields, x: ArrayLike, t: ArrayLike) -> Interf
 def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
     """Return fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
 
-    Parameters
-    ----------
-    answer : Answer
-        The answer to be sampled.
-    x : (n,) array
-        Positions [length].
-    t : (m,) array
-        Times [time].
-
-    Raises
-    ------
-    MissingLibraryError
-        If xarray is not installed.
-    SceneError
-        If a position or time is not one the answer knows; see `Answer`.
+    `Gridded.to_xarray` describes it.
     """
     history = answer.history(x, t)
     values = {field.name: getattr(history, field.name) for field in fields(history)}

@@ -61,15 +61,7 @@ def strain(stress: ArrayLike, material: Material) -> Array:
 def principal_difference(stress: ArrayLike) -> Array:
     """Return the difference sigma_1 - sigma_2 >= 0 of the principal stresses in the plane (x, y).
 
-    Parameters
-    ----------
-    stress : (3, ...) or (5, ...) array
-        Stress, tension positive [stress]; components along z have no influence.
-
-    Raises
-    ------
-    SceneError
-        If the stress does not have 3 or 5 rows.
+    The stress [stress] and the errors are those of `strain`; components along z have no influence.
     """
     sigma_xx, sigma_yy, sigma_xy, *_ = _rows(stress)
     with np.errstate(invalid="ignore"):

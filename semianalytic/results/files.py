@@ -131,14 +131,7 @@ def whole_hdf5(path: str | Path) -> Iterator[Any]:
     """Open a new sealed HDF5 file to fill, which appears under its name only when complete.
 
     It is filled in memory and written at the end, because HDF5 files are spoiled if the disk
-    becomes full.
-
-    Raises
-    ------
-    MissingLibraryError
-        If h5py is not installed.
-    DataFileError
-        As `new_file`.
+    becomes full.  Raises MissingLibraryError without h5py, and DataFileError as `new_file`.
     """
     with needing("an HDF5 file"):
         import h5py
@@ -154,16 +147,8 @@ def sealed_hdf5(path: str | Path) -> Iterator[Any]:
     """Open an HDF5 file written by `whole_hdf5` for reading.
 
     Its seal is checked before it is opened.  A file without a seal is opened, so that a foreign
-    file can be told from a damaged one, and refused at the end.
-
-    Raises
-    ------
-    MissingLibraryError
-        If h5py is not installed.
-    OSError
-        If it cannot be opened.
-    ValueError
-        If its seal is broken or missing.
+    file can be told from a damaged one, and refused at the end.  Raises MissingLibraryError without
+    h5py, OSError if it cannot be opened, and ValueError if its seal is broken or missing.
     """
     with needing("an HDF5 file"):
         import h5py

@@ -11,13 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.results.answer import (
-    Answer,
-    Array,
-    ContactFields,
-    answer_dataset,
-    sampled_history,
-)
+from semianalytic.results.answer import Answer, Array, answer_dataset, sampled_history
 from semianalytic.results.derived import strain
 from semianalytic.results.in_words import html_table
 from semianalytic.results.interface_history import InterfaceHistory
@@ -152,7 +146,7 @@ class Gridded:
             rows.append((name, value, unit(of, units)))
         return html_table(repr(self).strip("<>"), (f"at t = {end:.4g}", "value", "unit"), rows)
 
-    def history(self: ContactFields, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+    def history(self: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """Return all fields at positions x (n,) and times t (m,); raises like `slip_rate`."""
         return sampled_history(self, x, t)
 

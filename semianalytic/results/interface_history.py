@@ -80,10 +80,7 @@ class InterfaceHistory:
     def to_xarray(self) -> Any:
         """Return the history as an `xarray.Dataset` of dimensions t and x, with units.
 
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
+        Raises MissingLibraryError without xarray.
         """
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return dataset(values.pop("x"), values.pop("t"), values)

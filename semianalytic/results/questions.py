@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,19 +78,14 @@ class Questions:
     def path(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the accumulated |slip| [length], from the stored levels.
 
-        Positions and times broadcast.
-
-        Raises
-        ------
-        SceneError
-            If x or t is not finite, not on the contact, or beyond what was recorded.
+        Errors are those of `slip_rate`.
         """
         return np.asarray(self._between(self._sums[0], x, t))
 
     def work_density(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length].
 
-        It is that of the stored levels; errors are those of `path`.
+        It is that of the stored levels; errors are those of `slip_rate`.
         """
         return np.asarray(self._between(self._sums[1], x, t))
 
@@ -104,26 +99,8 @@ class Questions:
 
         Slip has begun where its rate passes 1 % of the largest one anywhere until then, or the
         `slipping` of a `Run`, and an opening at the first stored level with a gap.  Times are
-        interpolated linearly between levels and nodes.
-
-        Parameters
-        ----------
-        x : array
-            Positions [length] on the contact, within what was recorded.
-        of : str
-            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
-            "opening".  Slip includes the motion of open parts.
-
-        Returns
-        -------
-        array
-            Times of the shape of x; inf where it has not come by the end.
-
-        Raises
-        ------
-        SceneError
-            If a position is not finite, off the contact or beyond the nodes, or there is no such
-            arrival.
+        interpolated linearly between levels and nodes, and inf where it has not come by the end.
+        Parameters and errors are those of `Solution.arrival`, of positions within the record.
         """
         onset = self._onset(checked_arrival(of))
         return onset_between(self._seen.x, self._places(x), onset)
@@ -201,19 +178,6 @@ class Questions:
         return tuple(self._on_parts(gap, open_intervals))
 
 
-class Sampled(Protocol):
-    """Fields (m, n) at nodes x (n,) and times t (m,)."""
-
-    @property
-    def x(self) -> Array: ...
-    @property
-    def t(self) -> Array: ...
-    @property
-    def slip_rate(self) -> Array: ...
-    @property
-    def gap(self) -> Array: ...
-
-
 def added_up(seen: Any) -> tuple[Array, Array]:
     """Return |slip| and work of friction that add up from one level to the next, (m, n) each."""
     slip, shear = seen.slip, np.abs(seen.shear_traction)
@@ -223,8 +187,8 @@ def added_up(seen: Any) -> tuple[Array, Array]:
     return path, np.cumsum(work, axis=0)
 
 
-def onsets(seen: Sampled, of: str, share: float = ONSET_SHARE) -> Array:
-    """Return the times at which something begins at the nodes, from the stored levels (n,).
+def onsets(seen: Any, of: str, share: float = ONSET_SHARE) -> Array:
+    """Return the times at which something begins at the nodes, (n,), from fields at x and t (m, n).
 
     A share of the largest slip rate so far counts as slip.
     """

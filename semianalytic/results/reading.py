@@ -10,7 +10,7 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,27 +88,7 @@ class Reading:
     status: str
 
 
-class _Zone(Protocol):
-    @property
-    def outer(self) -> float: ...
-
-
-class SelfSimilar(Protocol):
-    """An answer whose fields depend on x / t alone."""
-
-    status: str
-    error_estimate: float
-
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
-        """First time of slip or opening [time]."""
-        ...
-
-    def max_slip(self, t: ArrayLike) -> Array:
-        """Largest |slip| at times t [length]."""
-        ...
-
-
-def first_times(x: ArrayLike, zones: Iterable[_Zone]) -> Array:
+def first_times(x: ArrayLike, zones: Iterable[Any]) -> Array:
     """Return when the first of zones inner t < x < outer t comes to positions x [time].
 
     It is x over the largest speed of an outer edge: inf without a zone, 0 where slip is ahead of
@@ -124,22 +104,12 @@ def first_times(x: ArrayLike, zones: Iterable[_Zone]) -> Array:
 def self_similar_reading(
     answer: Any, x: ArrayLike, t: ArrayLike, speed: float, scales: Mapping[str, Any]
 ) -> Reading:
-    """Return the reading of an exact answer.
+    """Return the reading of an exact answer at x and t, which broadcast.
 
-    Edges are known up to `error_estimate` times a wave speed.  A field may be wrong by that share
-    of its scale, and by what it changes by if all edges are shifted so far: a square root near an
-    edge is then as uncertain as the place of the edge makes it, and so is the logarithm at c_R.
-
-    Parameters
-    ----------
-    answer : SelfSimilar
-        The answer, with the fields of `FIELDS` as methods.
-    x, t : arrays
-        Positions [length] and times [time], which broadcast.
-    speed : float
-        Wave speed to which the errors of edges are relative [length / time].
-    scales : mapping from field to array
-        Value to which the error of each field is relative, besides itself; broadcasts with t.
+    Edges are known up to `error_estimate` times a wave speed [length / time].  A field may be wrong
+    by that share of its scale, besides itself, and by what it changes by if all edges are shifted
+    so far: a square root near an edge is then as uncertain as the place of the edge makes it, and
+    so is the logarithm at c_R.  Scales are those of each of `FIELDS`, and broadcast with t.
     """
     x, t = np.broadcast_arrays(contact_positions(x), np.asarray(t, dtype=float))
     # an answer that broke the law may be wrong anywhere; one above its rtol has an estimate still
@@ -170,7 +140,7 @@ def self_similar_reading(
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 
-def _arrival(answer: SelfSimilar, x: Array, of: str, shift: float) -> Measured:
+def _arrival(answer: Any, x: Array, of: str, shift: float) -> Measured:
     """Return when an edge comes that may be slower or faster by a shift [length / time]."""
     when = answer.arrival(x, of)
     comes = np.isfinite(when) & (when > 0)
@@ -184,19 +154,10 @@ def _arrival(answer: SelfSimilar, x: Array, of: str, shift: float) -> Measured:
 
 
 def sampled_reading(answer: Any, x: ArrayLike, t: ArrayLike) -> Reading:
-    """Return the reading of an answer on a grid, with bars by its companion on a coarser grid.
+    """Return the reading of an answer on a grid; `SampledAnswer.reading` describes its bars.
 
-    A bar is `SAMPLED_SAFETY` times the largest difference from the companion within two of its
-    nodes around the point and as far in time; without a companion it is inf.  At the front of a
-    wave and at the edge of a slip zone it is no less than what the field changes by within two of
-    these nodes.
-
-    Parameters
-    ----------
-    answer : SampledAnswer or LineAnswer
-        The answer; its `companion` has half the nodes.
-    x, t : arrays
-        Positions [length] and times [time], which broadcast.
+    At the front of a wave and at the edge of a slip zone a bar is no less than what the field
+    changes by within two nodes of the companion.
     """
     x, t = np.broadcast_arrays(line_positions(x), np.asarray(t, dtype=float))
     arrivals = {of: _sampled_arrival(answer, x, of) for of in ARRIVALS}

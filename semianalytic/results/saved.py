@@ -22,45 +22,20 @@ SOLVED = "slipfront solution 1"
 
 @dataclass(frozen=True)
 class SavedScene:
-    """The scene and settings of an exact answer.
-
-    Attributes
-    ----------
-    scene : Scene
-    settings : mapping
-        Settings of `solve`.
-    """
+    """The scene of an exact answer, and the settings of `solve` that were given for it."""
 
     scene: Scene
     settings: Mapping[str, Any]
 
 
 def write_answer(
-    path: str | Path,
-    kind: str,
-    answer: Any,
-    *,
-    compression: int | None = None,
+    path: str | Path, kind: str, answer: Any, *, compression: int | None = None
 ) -> None:
     """Write an answer to a file that appears under its name only when it is complete.
 
-    Parameters
-    ----------
-    path : path
-        File to write; missing folders are made.
-    kind : str
-        Name and version of what is written.
-    answer : dataclass
-        Its arrays become datasets and its dataclasses groups; all else becomes JSON in attributes.
-    compression : int, optional
-        Level of gzip.
-
-    Raises
-    ------
-    MissingLibraryError
-        If h5py is not installed.
-    DataFileError
-        If the file cannot be written.
+    The kind is the name and version of what is written.  Arrays of the answer, a dataclass, become
+    datasets, compressed by a level of gzip, and its dataclasses groups; all else becomes JSON in
+    attributes.  Errors are those of `whole_hdf5`.
     """
     with whole_hdf5(path) as file:
         file.attrs["format"] = kind
@@ -105,12 +80,7 @@ def read_answer(
 def kind_of_file(path: str | Path) -> str:
     """Return what a file holds, without its version; "" if `write_answer` did not write it.
 
-    Raises
-    ------
-    MissingLibraryError
-        If h5py is not installed.
-    DataFileError
-        If the file cannot be read.
+    Raises MissingLibraryError without h5py, and DataFileError if the file cannot be read.
     """
     try:
         with sealed_hdf5(path) as file:

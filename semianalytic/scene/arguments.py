@@ -123,7 +123,9 @@ def taking_quantities(
     def asked(*args: Any, **given: Any) -> Any:
         if any(map(is_quantity, (*args[1:], *given.values()))):
             given = {**dict(zip(names, args, strict=False)), **given}
-            args, units = (), _units_of(described(given[names[0]]))
+            first = described(given[names[0]])
+            scene = getattr(first, "scene", first)
+            args, units = (), SI if made_in_si(scene) else getattr(scene, "units", "")
             for name in given.keys() & ARGUMENTS.keys():
                 what = f"{function.__name__}: {name}"
                 given[name] = in_units_of(units, what, given[name], ARGUMENTS[name])
@@ -142,9 +144,3 @@ def asked_in_units(answer: Class) -> Class:
             asked = ARGUMENTS.keys() & inspect.signature(method).parameters.keys()
             setattr(answer, name, (taking_quantities if asked else checking)(method))
     return answer
-
-
-def _units_of(first: Any) -> str:
-    """Return the units of a scene, or of the scene of an answer."""
-    described = getattr(first, "scene", first)
-    return SI if made_in_si(described) else getattr(described, "units", "")

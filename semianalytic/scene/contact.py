@@ -19,19 +19,9 @@ Array = NDArray[np.float64]
 def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
     """Return the parts of the superposition to which a traction of base or load is added.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene; the place of its load matters.
-    name : str
-        "base_pressure", "base_shear", "load_pressure" or "load_shear"; any other name is added to
-        nothing.
-
-    Returns
-    -------
-    tuple of str
-        The same names, where "base_..." stands for the traction in place and "load_..." for the
-        traction taken off.
+    The name is "base_pressure", "base_shear", "load_pressure" or "load_shear"; any other is added
+    to nothing.  The result has the same names, where "base_..." stands for the traction in place
+    and "load_..." for the traction taken off.
     """
     part, _, kind = name.partition("_")
     if part not in ("base", "load"):

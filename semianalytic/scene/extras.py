@@ -42,17 +42,8 @@ one that is missing calls for the second."""
 def require(what: str, *modules: str) -> None:
     """Make sure that modules are installed, before anything is computed.
 
-    Parameters
-    ----------
-    what : str
-        The part of the package that needs them, for the message.
-    *modules : str
-        Names by which they are imported.
-
-    Raises
-    ------
-    MissingLibraryError
-        If one is missing; the message is one sentence with the command that installs all.
+    Raises MissingLibraryError if one is missing: `what`, the part of the package that needs them,
+    and the command that installs all.
     """
     missing = [module for module in modules if find_spec(module) is None]
     if missing:
@@ -63,10 +54,7 @@ def require(what: str, *modules: str) -> None:
 def needing(what: str) -> Iterator[None]:
     """Make imports in this context raise MissingLibraryError for packages of an extra.
 
-    Parameters
-    ----------
-    what : str
-        The part of the package that needs them, for the message.
+    The message begins with `what`, the part of the package that needs them.
     """
     try:
         yield

@@ -292,10 +292,7 @@ def load_document(load: Load) -> dict[str, Any]:
 def load_from_document(table: Any) -> Load:
     """Make the load that a dictionary of `load_document`, or the table [load] of a file, describes.
 
-    Raises
-    ------
-    SceneError
-        If its kind or a key is unknown or a key is missing, or a value is out of range.
+    Errors are those of `checked_kind` and `made`.
     """
     if "kind" not in table:
         return Tractions(**table)
@@ -310,18 +307,9 @@ def overridden_load(
 ) -> Load:
     """Return a load with parameters replaced that are not None, of another kind if they say so.
 
-    Parameters
-    ----------
-    load : Load
-    of_tractions : mapping
-        pressure, shear and speed; a speed makes tractions move.
-    of_wave : mapping
-        The fields of an `IncidentWave`, which replaces any other load.
-
-    Raises
-    ------
-    SceneError
-        If tractions are given for a wave, or not enough for a new one, or a value is out of range.
+    A speed makes tractions move, and the fields of an `IncidentWave` replace any other load.
+    Raises SceneError if tractions are given for a wave, or not enough for a new one, or a value is
+    out of range.
     """
     waved: dict[str, Any] = {name: one for name, one in of_wave.items() if one is not None}
     given: dict[str, Any] = {name: one for name, one in of_tractions.items() if one is not None}

@@ -69,22 +69,13 @@ class Plugin:
         return f"the {self.noun} {self.name!r} of the package {self.package}"
 
     def load(self) -> Any:
-        """Import and return the object that the entry point names.
-
-        Raises
-        ------
-        PluginError
-            If it cannot be imported.
-        """
+        """Import and return the object that the entry point names; PluginError if that fails."""
         return self.guarded("cannot be imported", self.entry.load)
 
     def guarded(self, failing: str, run: Callable[[], Any]) -> Any:
-        """Call a function of the package and return its result.
+        """Return the result of a function of the package.
 
-        Raises
-        ------
-        PluginError
-            If the function raises anything; `failing` says what went wrong.
+        Whatever it raises becomes a PluginError, in which `failing` says what went wrong.
         """
         try:
             return run()
@@ -136,10 +127,7 @@ def plugin_names(group: str, own: Collection[str] = ()) -> list[str]:
 def find_plugin(group: str, name: str) -> Plugin | None:
     """Return the plugin of a name in a group; None if no package has it.
 
-    Raises
-    ------
-    PluginError
-        If two packages bring a plugin of that name.
+    Raises PluginError if two packages bring a plugin of that name.
     """
     named = [one for one in plugins(group) if one.name == name]
     if len(named) > 1:

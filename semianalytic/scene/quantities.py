@@ -41,10 +41,7 @@ def made_in_si(part: object) -> bool:
 def in_si(what: str, value: Any, dimension: str) -> Any:
     """Return a quantity as a number, or an array, of the SI; other values as they are.
 
-    Raises
-    ------
-    SceneError
-        If the quantity is of another dimension.
+    Raises SceneError if the quantity is of another dimension.
     """
     if isinstance(value, list | tuple) and is_quantity(value):
         return [in_si(what, one, dimension) for one in value]
@@ -63,10 +60,7 @@ def in_si(what: str, value: Any, dimension: str) -> Any:
 def in_units_of(units: str, what: str, value: Any, dimension: str) -> Any:
     """Return a quantity as a number in the units of a scene; other values as they are.
 
-    Raises
-    ------
-    SceneError
-        If the scene has no units, or the quantity is of another dimension.
+    Raises SceneError if the scene has no units, or as `in_si`.
     """
     # angles and shares are the same in all systems of units
     if units != SI and dimension not in ("angle", "1") and is_quantity(value):

@@ -28,7 +28,7 @@ from semianalytic.selfsimilar.rated.approach import (
     unsettled,
 )
 from semianalytic.selfsimilar.rated.law import unit_law
-from semianalytic.selfsimilar.rated.steepness import always_cut_off
+from semianalytic.selfsimilar.rated.steepness import cut_off
 from semianalytic.selfsimilar.search import (
     Trial,
     affordable,
@@ -183,7 +183,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     rated, last = approached(dry.profile, law, loose, speed)
     best, estimate = rated, np.inf
     # Slip that the longest rule omits is not found by finer ones, after seconds to minutes.
-    hopeless = rated is not None and always_cut_off(rated.profile.fields, law) > rtol
+    longest = tuning.FARTHEST_RATE_REACH
+    hopeless = rated is not None and cut_off(rated.profile.fields, law, longest) > rtol
     if rated is not None and hopeless:
         estimate = companion_error(rated, law, loose)
     # Each pass is on a finer rule, from the previous slip rate, until a coarser companion agrees.
@@ -194,7 +195,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
         best = rated = settled_zones(rated.profile, law, tolerance, speed)
         if rated is not None:
             estimate = companion_error(rated, law, tolerance)
-            hopeless = always_cut_off(rated.profile.fields, law) > rtol
+            hopeless = cut_off(rated.profile.fields, law, longest) > rtol
     clock.append(perf_counter())
     if best is None:
         reason = unsettled(last, law, speed)

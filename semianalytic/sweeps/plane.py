@@ -211,25 +211,23 @@ class Plane:
         # A point that violates Coulomb's law has other zones and is not tried again with these.
         return done.approached[~(done.sound | done.refuted)]
 
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _compute(self, pattern: Pattern, every: Predictions, origin: str = COMPUTED) -> None:
         """Keep predictions that can be corrected on the fine rule."""
         for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance):
-            self._compute_batch(pattern, every[batch], origin)
-
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
-    def _compute_batch(self, pattern: Pattern, some: Predictions, origin: str) -> None:
-        start, sets = perf_counter(), self._sets(pattern, some.points)
-        done = continued(sets, some.each(), self.rtol)
-        sound = np.flatnonzero(done.sound)
-        if not len(sound):
-            return
-        now, inverse = done.unknowns[:, sound], done.inverse[sound]
-        footings = _footings(sets.chosen(sound), now, inverse, self.loose)
-        seconds = (perf_counter() - start) / len(some)
-        rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
-        parts = zip(now.T, rules, estimates, footings, strict=True)
-        found = [Followed(pattern, *each) for each in parts]
-        self._keep(some.points[sound], found, origin, done.steps, done.nodes, seconds)
+            some = every[batch]
+            start, sets = perf_counter(), self._sets(pattern, some.points)
+            done = continued(sets, some.each(), self.rtol)
+            sound = np.flatnonzero(done.sound)
+            if not len(sound):
+                continue
+            now, inverse = done.unknowns[:, sound], done.inverse[sound]
+            footings = _footings(sets.chosen(sound), now, inverse, self.loose)
+            seconds = (perf_counter() - start) / len(some)
+            rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
+            parts = zip(now.T, rules, estimates, footings, strict=True)
+            found = [Followed(pattern, *each) for each in parts]
+            self._keep(some.points[sound], found, origin, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
         """Solve points without help; those whose zones are found on the loose rule help others."""

@@ -201,16 +201,7 @@ def refuses(scene: Scene) -> None:
 
 
 def solve(scene: Scene) -> GrowingSolution:
-    """Solve a slot under a load and a strength that grow as t^n.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its load is a `GrowingLoad`.
-
-    Returns
-    -------
-    GrowingSolution
+    """Solve a slot under a `GrowingLoad`: load and strength grow as t^n.
 
     Raises
     ------

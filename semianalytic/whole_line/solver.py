@@ -23,17 +23,7 @@ def refuses(scene: Scene) -> None:
 def solve(scene: Scene) -> LineSolution | Solution:
     """Solve a scene without a slot for slip or opening around its load.
 
-    Parameters
-    ----------
-    scene : Scene
-        Its load is a `Patch`, a `PointForce` or a `HalfLine`.
-
-    Returns
-    -------
-    LineSolution
-        For a `Patch` or a `PointForce`.
-    Solution
-        For a `HalfLine`: that of a slot, which moves in the same way on x > 0.
+    A `HalfLine` has the `Solution` of a slot, which moves in the same way on x > 0.
 
     Raises
     ------

@@ -151,17 +151,8 @@ def history_document(history: Any) -> dict[str, Any]:
 def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> Scene:
     """Make the scene that a dictionary of `scene_document`, or of a TOML file, describes.
 
-    Parameters
-    ----------
-    document : mapping
-    folder : path
-        The folder in which tables of values are sought.
-
-    Raises
-    ------
-    SceneError
-        If a kind or parameter of a history or friction law is unknown or missing, or a value is
-        out of range.
+    Tables of values are sought in the folder.  Raises SceneError if a kind or parameter of a
+    history or friction law is unknown or missing, or a value is out of range.
     """
     read = _Reading(folder, document.get("numbers", {}))
     material = _solid("material", document["material"])
@@ -177,8 +168,8 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
         for name in HISTORY_FIELDS
         if name in document
     }
-    parts |= {name: document[name] for name in ("mode", "load_on", "units") if name in document}
-    parts |= {name: document[name] for name in _LINE if name in document}
+    plain = ("mode", "load_on", "units", *_LINE)
+    parts |= {name: document[name] for name in plain if name in document}
     if "rate" in parts:
         parts["rate"] = read.field("rate", parts["rate"])
     friction: Any = document.get("friction")

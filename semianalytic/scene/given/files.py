@@ -96,10 +96,7 @@ def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
 def with_units(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return a document whose numbers with units, as "5 MPa", are numbers of the SI.
 
-    Raises
-    ------
-    SceneError
-        If a unit is unknown, or of another dimension.
+    Raises SceneError if a unit is unknown, or of another dimension.
     """
     known: dict[str, str] = {**ARGUMENTS, **PARAMETERS, "strength": "stress", "intervals": "length"}
     found = False

@@ -18,12 +18,9 @@ from semianalytic.scene.scene import Scene
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
-    """Find a scene with a slot by its name or by the path of a TOML file; see `find`.
+    """Find a scene with a slot by its name or by the path of a TOML file.
 
-    Raises
-    ------
-    SceneError, PluginError
-        Those of `find`, or if the scene has no slot, or its load grows.
+    Errors are those of `find` and `check_slot`.
     """
     scene = find(source)
     check_slot(fspath(source), scene)
@@ -98,12 +95,7 @@ def find(source: str | PathLike[str]) -> Scene:
 def checked_scene(function: str, given: object) -> Scene:
     """Return the scene that a function was given, itself or as its name or file.
 
-    Raises
-    ------
-    SceneError
-        "{function}: scene must be a Scene, ...", or for the reasons given at `find_scene`.
-    PluginError
-        For those given there.
+    Raises SceneError for anything else; other errors are those of `find_scene`.
     """
     if isinstance(given, Scene):
         check_slot(function, given)
@@ -118,10 +110,7 @@ def checked_scene(function: str, given: object) -> Scene:
 def scene_of_one_solid(function: str, given: object) -> Scene:
     """Return the scene that a function of equal bodies was given, as `checked_scene` does.
 
-    Raises
-    ------
-    SceneError
-        If the bodies are different ones, or for the reasons given at `checked_scene`.
+    Raises SceneError if the bodies are different ones; other errors are those of `checked_scene`.
     """
     scene = checked_scene(function, given)
     if scene.lower_material is not None:
@@ -154,10 +143,7 @@ def is_file(source: str) -> bool:
 def brought_scene(plugin: Plugin) -> Scene:
     """Return the scene that a package brings, either itself or by a function without arguments.
 
-    Raises
-    ------
-    PluginError
-        If it is neither, or the function fails.
+    Raises PluginError if it is neither, or the function fails.
     """
     brought = plugin.load()
     scene = plugin.guarded("cannot be made", brought) if callable(brought) else brought
@@ -186,12 +172,7 @@ def scene_label(source: str) -> str:
 def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
     """Return the folder for the results of a scene, such as results/preloaded-friction-0.31.
 
-    Parameters
-    ----------
-    source : str
-        Name or file of the scene, as for `find`.
-    overrides : mapping
-        Values that replace the scene's own, as for `override_scene`.
+    The source is that of `find`; overrides replace the scene's own values, as in `override_scene`.
     """
     changes = (
         f"{name.replace('_', '-')}-{str(value).removesuffix('.0')}"

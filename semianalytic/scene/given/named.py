@@ -13,13 +13,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 @dataclass(frozen=True)
 class NamedScene:
-    """A scene that comes with the package, and a line that says what it shows.
-
-    Attributes
-    ----------
-    scene : Scene
-    summary : str
-    """
+    """A scene that comes with the package, and a line that says what it shows."""
 
     scene: Scene
     summary: str

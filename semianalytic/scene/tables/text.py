@@ -88,7 +88,11 @@ def _decodable(path: Path) -> tuple[bytes, str]:
     """All of a text file with LF behind each line, and its encoding."""
     content = content_of(path)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        content, encoding = _from_utf_16(path, content), "utf-8"
+        try:
+            content, encoding = content.decode("utf-16").encode(), "utf-8"
+        except UnicodeDecodeError as error:
+            reason = f"{path}: a character is not in UTF-16; save it in UTF-8."
+            raise DataFileError(reason) from error
     elif b"\0" in (content := _COMMENT.sub(lambda found: found[0].replace(b"\0", b""), content)):
         line = content[: content.index(b"\0")].count(b"\n") + 1
         raise DataFileError(
@@ -111,14 +115,6 @@ def _lines(path: Path, content: bytes, encoding: str) -> Iterator[str]:
                 "line."
             )
         yield raw.decode(encoding).rstrip("\r\n")
-
-
-def _from_utf_16(path: Path, content: bytes) -> bytes:
-    """Text in UTF-16 as UTF-8."""
-    try:
-        return content.decode("utf-16").encode()
-    except UnicodeDecodeError as error:
-        raise DataFileError(f"{path}: a character is not in UTF-16; save it in UTF-8.") from error
 
 
 def _encoding(path: Path, content: bytes) -> str:

@@ -276,19 +276,9 @@ def differentiated(
 ) -> Derivative:
     """Return the derivative of a solved scene with respect to one of `parameters.PARAMETERS`.
 
-    Parameters
-    ----------
-    solved : (Scene, Surroundings, float)
-        The scene, neighbouring sets of the zones of its solution, and their unit of stress.
-    speeds : tuple of (inner, outer, sense)
-        Zones of the solution, whose status is `status`.
-
-    Raises
-    ------
-    SceneError
-        If there is no such parameter or no derivative with respect to it in this scene.
-    ComputationError
-        If zones on either side of these, however near, have other panels.
+    What is solved is the scene, neighbouring sets of the zones of its solution, and their unit of
+    stress; speeds (inner, outer, sense) and status are those of the solution.  Errors are those of
+    `Solution.derivative`.
     """
     scene, surroundings, stress = solved
     profile = surroundings.profile

@@ -13,7 +13,6 @@ docs/derivatives.md, "Fields".
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -133,18 +132,13 @@ class VariedProfile:
                 value[beyond] *= np.exp(growth * (outward * (y[beyond] - end)))
         return value
 
-    def _piecewise(
-        self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
-    ) -> Array:
-        return self.profile.piecewise(u, ahead, inside)
-
     @property
     def _far_slip_rate(self) -> float:
         return self.variation.rates.far_slip_rate
 
     def slip_rate(self, u: Array) -> Array:
         """Return the derivative of V; plus or minus infinity at edges where V has a square root."""
-        return self._piecewise(u, self._far_slip_rate, self._slip_rate_inside)
+        return self.profile.piecewise(u, self._far_slip_rate, self._slip_rate_inside)
 
     def _slip_rate_inside(self, i: int, at: CutPoints) -> Array:
         """Return the derivative of V at points (m,) inside a panel."""
@@ -161,7 +155,7 @@ class VariedProfile:
         """Return the derivatives of slownesses (m,) at which V is zero within a zone."""
         rate = self.profile.rate_integral
         with np.errstate(invalid="ignore"):
-            moved = self.slip_rate(u) / self._piecewise(
+            moved = self.slip_rate(u) / self.profile.piecewise(
                 u, 0.0, lambda i, at: self._slope(rate, i, at) + rate.slope_of_powers(i, at)
             )
         # V(u(p), p) = 0 gives du/dp = -(dV/dp) / (dV/du).
@@ -205,7 +199,7 @@ class VariedProfile:
             slip = self._slip(i, at, start[i]) if self._panels.sense[i] else start[i]
             return np.asarray(slip / at.v)
 
-        return self._piecewise(u, self._far_slip_rate, inside)
+        return self.profile.piecewise(u, self._far_slip_rate, inside)
 
     def _stuck(self, u: Array, mode: Mode, of_load: bool = True) -> Array:
         """Return the change of p* or q* with the half-plane and, `of_load`, the load's front."""
@@ -277,14 +271,12 @@ class VariedProfile:
             value = value - _carried(self._slope(integral, i, at), self._velocity(i, at))
             return np.asarray(value + self._edge_traction(i, at.v))
 
-        return self._piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
+        return self.profile.piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
 
     def _resisted(self, i: int, at: CutPoints) -> Array | float:
         """Return the derivative of eta V inside a panel that slips."""
-        resistance, by_resistance = (
-            self.profile.fields.load.resistance,
-            self.variation.rates.resistance,
-        )
+        resistance = self.profile.fields.load.resistance
+        by_resistance = self.variation.rates.resistance
         if resistance is None or self._panels.layout.open[i]:
             return 0.0
         rate = self.profile.slip_rate_inside(i, at)

@@ -40,12 +40,7 @@ def held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
     return replace(replace(fields, rule=longer).panels.rule, held=True)
 
 
-def cut_off(fields: ZoneFields, law: UnitLaw) -> float:
-    """Return the relative part of a steep slip rate that the end of its rule leaves out."""
-    return float(np.exp(-fields.rule.reach * least_exponent(fields, law)[0]))
-
-
-def always_cut_off(fields: ZoneFields, law: UnitLaw) -> float:
-    """Return the relative part of a steep slip rate that the longest rule leaves out."""
-    exponent, _ = least_exponent(fields, law)
-    return float(np.exp(-tuning.FARTHEST_RATE_REACH * exponent))
+def cut_off(fields: ZoneFields, law: UnitLaw, reach: float | None = None) -> float:
+    """Return the relative part of a steep slip rate that a rule of a reach, or their own, omits."""
+    reach = fields.rule.reach if reach is None else reach
+    return float(np.exp(-reach * least_exponent(fields, law)[0]))

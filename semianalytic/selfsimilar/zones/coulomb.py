@@ -96,7 +96,7 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)
     # Only doubtful sets need the closer look between nodes, which works on one set at a time.
     for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
-        sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
+        sound[j] = not _hidden(_one_of(profile, int(j)), tolerance)
     return sound
 
 
@@ -146,7 +146,7 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
         broken += _at_contact_edge(profile, region, misses, tolerance)
         broken += _at_rayleigh_front(profile, region, misses)
     # Between nodes only where the nodes show nothing: corrected zones are checked again anyway.
-    return broken or _hidden_violations(profile, tolerance)
+    return broken or _hidden(profile, tolerance)
 
 
 def _at_nodes(
@@ -219,18 +219,6 @@ def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> li
     return [Violation(panels.layout.zone[pole], sense, ends[[0]], ends[[1]], *_APART)]
 
 
-def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
-    """Return violations between nodes, for profiles without violations at nodes."""
-    result, panels = [], profile.panels
-    for one in hidden(profile, tolerance):
-        sense, zone = panels.sense[one.panel], panels.layout.zone[one.panel]
-        if not sense:
-            nearest = np.argmin(np.abs(panels.at.v[one.panel] - one.left.v))
-            sense, zone = int(np.sign(profile.traction_at_nodes[one.panel, nearest])), -1
-        result.append(Violation(zone, sense, one.left, one.right, *_APART))
-    return result
-
-
 def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
     # Without any zone the traction is exact, so that the tolerance may be that of rounding.
     return tolerance if profile.fields.zones else tuning.UNDRIVEN_EXCESS
@@ -266,15 +254,6 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
     return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
-@dataclass(frozen=True)
-class Hidden:
-    """Interval of slowness between nodes of a panel in which Coulomb's law fails."""
-
-    panel: int
-    left: CutPoints
-    right: CutPoints
-
-
 def doubtful(profile: Profile) -> np.ndarray:
     """Return inner nodes (p, ..., n - 2) near which the law may fail though it holds at nodes."""
     value, y = profile.wrong_at_nodes, profile.panels.rule.y
@@ -292,7 +271,7 @@ def doubtful(profile: Profile) -> np.ndarray:
     return np.asarray(result)
 
 
-def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
+def _hidden(profile: Profile, tolerance: float) -> list[Violation]:
     """Return where the law of one set of zones fails between nodes by more than a tolerance."""
     panels, result = profile.panels, []
     steps = np.linspace(-1, 1, 17)
@@ -310,5 +289,9 @@ def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
             # The parabola falls to zero this far on either side of its peak.
             half = step * np.sqrt(2 * top / bend)
             ends = panels.inside(panel, centre + np.array([-half, half]))
-            result.append(Hidden(int(panel), ends[[0]], ends[[1]]))
+            sense, zone = panels.sense[panel], panels.layout.zone[panel]
+            if not sense:
+                nearest = np.argmin(np.abs(panels.at.v[panel] - ends.v[0]))
+                sense, zone = int(np.sign(profile.traction_at_nodes[panel, nearest])), -1
+            result.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
     return result

@@ -50,17 +50,13 @@ class Edges:
     held_at: tuple[float, ...] = ()
 
     @cached_property
-    def _bounded(self) -> np.ndarray:
-        """Indices of the edges in bounded segments."""
-        return np.flatnonzero(np.array(self.segments) < 2)
-
-    @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
         """Front less every front (4, e), width, and 1 if bounded, of each edge's segment."""
         a, c = per_set(self.factors.a), per_set(self.factors.c)
         fronts = np.zeros((4, *np.shape(a)))
         fronts[1], fronts[2], fronts[3] = a, 1.0, c
-        segments, bounded = np.array(self.segments, dtype=int), self._bounded
+        segments = np.array(self.segments, dtype=int)
+        bounded = np.flatnonzero(segments < 2)
         shift = fronts[1 + segments] - fronts[:, None]
         width, bend = np.ones_like(shift[0]), np.zeros_like(shift[0])
         width[bounded], bend[bounded] = np.diff(fronts, axis=0)[1 + segments[bounded]], 1.0
@@ -101,17 +97,14 @@ class Edges:
         parts = self.parts(unknowns)[..., None]
         points = [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
         for edge, side in enumerate(self.sides):
-            end = None if side or self.opening is None else self._held_end(edge)
+            if side or self.opening is None:
+                continue
+            # Held at an end of the opening.  Edges alternate between beginnings and ends of zones,
+            # from a beginning unless the first zone has no left edge.
+            begins = (edge % 2 == 0) != self.open_ends[0]
+            end = self.opening.left if begins else self.opening.right
             points[edge] = points[edge] if end is None else end
         return points
-
-    def _held_end(self, edge: int) -> CutPoints | None:
-        """Return the end of the opening at which the zone of a held edge begins or ends."""
-        assert self.opening is not None
-        # Edges alternate between beginnings and ends of zones, from a beginning unless the first
-        # zone has no left edge.
-        begins = (edge % 2 == 0) != self.open_ends[0]
-        return self.opening.left if begins else self.opening.right
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """Return the zones for given unknowns."""

@@ -30,23 +30,17 @@ def narrowness(edges: Edges, unknowns: Array) -> float:
 
     Where slip ahead of an opening is narrow, its edge must be accurate relative to that width.
     """
-    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
-        return 1.0
+    ahead = _ahead(edges, unknowns)
     # The remainder then takes a fifth of rtol.
-    return min(1.0, 3.0 * float(_width_ahead(edges, unknowns)))
+    return 1.0 if ahead is None else min(1.0, 3.0 * float(ahead[1]))
 
 
-def _width_ahead(edges: Edges, unknowns: Array) -> Array:
-    """Return the width from the edge of slip to the opening behind it, () or (k,)."""
-    assert edges.opening is not None
-    assert edges.opening.left is not None
-    point = edges.points(unknowns)[_edge_ahead(edges)]
-    return np.asarray(edges.opening.left.minus(point)[..., 0])
-
-
-def _edge_ahead(edges: Edges) -> int:
-    """Return the index of the last edge ahead of an opening."""
-    return len(edges.sides) - 1 - edges.sides[::-1].index(-1)
+def _ahead(edges: Edges, unknowns: Array) -> tuple[int, Array] | None:
+    """Return the last edge ahead of an opening, and how far from it, () or (k,); None without."""
+    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
+        return None
+    edge = len(edges.sides) - 1 - edges.sides[::-1].index(-1)
+    return edge, np.asarray(edges.opening.left.minus(edges.points(unknowns)[edge])[..., 0])
 
 
 def numerical_error(
@@ -225,13 +219,13 @@ def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
 
 def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Return the relative change of work ahead of an opening with the edge there, () or (k,)."""
-    worst = np.zeros(unknowns.shape[1:])
-    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
-        return worst
-    edge = _edge_ahead(edges)
+    ahead = _ahead(edges, unknowns)
+    if ahead is None:
+        return np.zeros(unknowns.shape[1:])
+    edge, width = ahead
     change = np.abs(edges.parts(moved)[0, edge] - edges.parts(unknowns)[0, edge])
     # Friction takes about the third power of the width ahead of an opening.
-    return np.asarray(3.0 * change / _width_ahead(edges, unknowns))
+    return np.asarray(3.0 * change / width)
 
 
 def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:

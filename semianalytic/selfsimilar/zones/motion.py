@@ -83,13 +83,6 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     return tuple(one for one in zones if one.outer - one.inner > least * min(one.outer, speed))
 
 
-def motion(
-    profile: Profile, zones: Sequence[SlipZone], opening: OpenZone, speed: float
-) -> tuple[SlipZone, ...]:
-    """Return the slip zones in contact, and the parts of an opening by sense of motion in it."""
-    return tuple(sorted((*zones, *_in_opening(profile, opening, speed)), key=lambda z: z.inner))
-
-
 def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
     """Return a zone in velocity [length / time], with its inner edge first."""
     load, speed = profile.fields.load, material.shear_speed
@@ -128,16 +121,18 @@ def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
     return parts
 
 
-def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZone]:
-    """Return the parts of an opening by sense of tangential motion; none where nothing moves."""
+def motion(
+    profile: Profile, zones: Sequence[SlipZone], opening: OpenZone, speed: float
+) -> tuple[SlipZone, ...]:
+    """Return the slip zones in contact, and the parts of an opening by sense of motion in it."""
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     points = _points_in_opening(profile)
     # At a point where V is exactly 0 there is no sense; its neighbours decide.
     rate = profile.slip_rate_at(points)
     points, sense = points[rate != 0], np.sign(rate[rate != 0]).astype(int)
-    if not len(sense):
-        return []
+    if not len(sense):  # nothing moves there
+        return tuple(zones)
     outer, senses = [opening.outer], [int(sense[0])]
     for i in np.flatnonzero(sense[1:] != sense[:-1]):
         start, step = points.parts[:, [i]], points.parts[:, [i + 1]] - points.parts[:, [i]]
@@ -150,7 +145,8 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
         senses.append(int(sense[i + 1]))
     # Parts are in order of slowness, so that each ends, in velocity, where the next one begins.
     inner = [*outer[1:], opening.inner]
-    return [SlipZone(*part) for part in zip(inner, outer, senses, strict=True)]
+    parts = (SlipZone(*part) for part in zip(inner, outer, senses, strict=True))
+    return tuple(sorted((*zones, *parts), key=lambda zone: zone.inner))
 
 
 def _points_in_opening(profile: Profile) -> CutPoints:
