@@ -77,8 +77,7 @@ Answered = Any
 def answer_to(sheet: Sheet) -> Answered:
     """The answer to a sheet, solved, marched or read; raises as `stored_text` and the solvers."""
     if not sheet.is_interface:
-        answer: Answered = solve(sheet.problem, **_settings(sheet))
-        return answer
+        return solve(sheet.problem, **_settings(sheet))
     document = json.loads(stored_text(f"{sheet.name}.json"))
     values = {name: np.array(one, dtype=float) for name, one in document["answers"].items()}
     arrivals = np.nan_to_num(values.pop("arrivals"), nan=math.inf)  # null: never

@@ -131,7 +131,8 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     """
     answer, end = answers.answer_to(sheet), sheet.end_time
     near = [one for one in records.stations if _near(sheet, one.x).any()]
-    known = [one for one in (_until(one, end) for one in near) if len(one.t) > 1]
+    kept = [one.taken((one.t > 0) & (one.t <= end * (1 + NOTHING))) for one in near]
+    known = [replace(one, t=np.minimum(one.t, end)) for one in kept if len(one.t) > 1]
     if not known:
         places = ", ".join(f"{x:g}" for x in sheet.stations)
         raise DataFileError(
@@ -168,12 +169,6 @@ def class_of(sheet: Sheet, quantity: str, error: float) -> str:
 def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
     """Return which stations of a sheet are at a position, (k,)."""
     return np.asarray(np.abs(np.array(sheet.stations) - x) <= 1e-3 * sheet.extent)
-
-
-def _until(record: Record, end: float) -> Record:
-    """A record over 0 < t <= T."""
-    kept = record.taken((record.t > 0) & (record.t <= end * (1 + NOTHING)))
-    return replace(kept, t=np.minimum(kept.t, end))
 
 
 def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:

@@ -21,6 +21,7 @@ from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.results.answer import FIELDS
+from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.parameters import (
     MATERIAL,
@@ -43,29 +44,22 @@ Dimensions = Mapping[str, Any]
 below it."""
 
 
-def _dimensions_of(field: str) -> Callable[[Scene], Dimensions]:
-    """Return a function that gives the dimensions of a history, or the law, of a scene."""
-
-    def dimensions(scene: Scene) -> Dimensions:
-        parameters = part_parameters(type(getattr(scene, field)))
-        return {key: one.dimension for key, one in parameters.items() if one.dimension}
-
-    return dimensions
-
-
-def _dimensions_of_load(scene: Scene) -> Dimensions:
-    parameters = load_parameters(scene.load)
+def _dimensions(parameters: Mapping[str, Any]) -> Dimensions:
+    """Return the dimensions of the parameters that have one."""
     return {name: one.dimension for name, one in parameters.items() if one.dimension}
 
 
-_TRACTIONS: Dimensions = {name: one.dimension for name, one in TRACTIONS.items()}
-_MATERIAL: Dimensions = {name: one.dimension for name, one in MATERIAL.items()}
+def _dimensions_of(field: str) -> Callable[[Scene], Dimensions]:
+    """Return a function that gives the dimensions of a history, or the law, of a scene."""
+    return lambda scene: _dimensions(part_parameters(type(getattr(scene, field))))
+
+
 SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
-    "material": _MATERIAL,
-    "lower_material": _MATERIAL,
-    "base": _TRACTIONS,
-    "load": _dimensions_of_load,
+    "material": _dimensions(MATERIAL),
+    "lower_material": _dimensions(MATERIAL),
+    "base": _dimensions(TRACTIONS),
+    "load": lambda scene: _dimensions(load_parameters(scene.load)),
     **{name: _dimensions_of(name) for name in HISTORY_FIELDS},
     "friction_law": _dimensions_of("law"),
     "contact": {"intervals": "length"},
@@ -100,11 +94,7 @@ POINT_DIMENSIONS: Dimensions = {
     "x": "length",
     "t": "time",
     "arrivals": "time",
-    "slip": "length",
-    "slip_rate": "length / time",
-    "shear_traction": "stress",
-    "pressure": "stress",
-    "gap": "length",
+    **{name: QUANTITIES[name][0] for name in FIELDS},
 }
 MARCH_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
@@ -194,7 +184,8 @@ def solution_document(answer: Any, end_time: float | None = None) -> dict[str, A
             document["wave_speeds"] = {name: _by_wave(wave_speeds(body)) for name, body in bodies}
         else:
             document["far_slip_rate"] = scene.far_slip_rate
-            document["edge"]["stress_intensity_at_unit_time"] = _intensities(answer, 1.0)
+            intensities = _by_mode(scene, answer.stress_intensity(1.0))
+            document["edge"]["stress_intensity_at_unit_time"] = intensities
             for shown, zone in zip(document["zones"], answer.zones, strict=True):
                 shown["inner_regime"] = speed_regime(zone.inner, scene)
                 shown["outer_regime"] = speed_regime(zone.outer, scene)
@@ -222,7 +213,8 @@ def end_document(answer: Any, end_time: float) -> dict[str, Any]:
         "frictional_work": float(answer.frictional_work(end_time)),
     }
     if hasattr(answer, "stress_intensity"):
-        document["stress_intensity"] = _intensities(answer, end_time)
+        intensities = answer.stress_intensity(end_time)
+        document["stress_intensity"] = _by_mode(answer.scene, intensities)
     return document
 
 
@@ -249,11 +241,6 @@ def points_document(reading: Reading, at: bool = True) -> list[dict[str, Any]]:
 def _measured(measured: Measured, place: tuple[int, ...]) -> dict[str, float]:
     value, error = (float(part[place]) for part in measured)
     return {"value": value, "error": error}
-
-
-def _intensities(answer: Solution, time: float) -> dict[str, float]:
-    """Stress intensities at a time by name."""
-    return _by_mode(answer.scene, answer.stress_intensity(time))
 
 
 def _by_mode(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:

@@ -91,16 +91,8 @@ def value_row(
         expected, value = read(case.expected[1]), values[1]
         return math.inf if expected is None or value is None else abs(value - expected)
 
-    row = Row(
-        name,
-        kind,
-        exact,
-        at_nodes,
-        simulated,
-        None if at_nodes is None or simulated is None else simulated - at_nodes,
-        None,
-        unit,
-    )
+    difference = None if at_nodes is None or simulated is None else simulated - at_nodes
+    row = Row(name, kind, exact, at_nodes, simulated, difference, None, unit)
     if at_nodes is None and simulated is None:
         reason = "neither the nodes of this mesh nor the simulation show it"
         return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
@@ -194,17 +186,9 @@ def field_row(
     added = unseen / per
     if field.doubted is not None:
         added += size(shown(field.doubted, 0) - predicted, 0) / per
-    row = Row(
-        f"{name}, largest" if nothing else f"{name}, L1",
-        kind,
-        exact,
-        whole,
-        size(at(0, 0), 0),
-        size(at(0, 0) - predicted, 0) / per,
-        None,
-        unit if nothing else unit_of_norm,
-        relative=not nothing,
-    )
+    measure, unit = ("largest", unit) if nothing else ("L1", unit_of_norm)
+    numbers = exact, whole, size(at(0, 0), 0), size(at(0, 0) - predicted, 0) / per, None
+    row = Row(f"{name}, {measure}", kind, *numbers, unit, relative=not nothing)
     floor = case.nothing(kind) if nothing else least_error(case)
     error = error_bar(changes, floor, most=case.largest_order(kind)) if changes else None
     if error and not error.converges and not nothing and showing < len(changes):
@@ -307,11 +291,7 @@ def judged(
     # what is nothing at the nodes has no size that a bar could be held against
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
-        return replace(
-            row,
-            obstacle=WIDE,
-            resolution=math.ceil(growth * finer / 2),
-        )
+        return replace(row, obstacle=WIDE, resolution=math.ceil(growth * finer / 2))
     return row
 
 

@@ -239,15 +239,19 @@ def choose_mesh(
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("simulate: end_time", end_time)
     loads = _loads(scene, end_time)
-    features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
-    features += _slow_waves(scene)
+    features = [*_narrow(prediction, end_time), *_of_scene(scene, end_time)]
     features.sort(key=lambda feature: feature.resolution)
     reason = "as given"
     if resolution is None:
         affordable = _limits(prices, budget, memory)
         least = _whole(max([LEAST, *loads.values()]))
         if not affordable(least):
-            raise _refusal(prices, least, memory)
+            size = min(least, USUAL)
+            seconds = prices.checked(size, memory)[0] + prices.comparing(size)  # or `fem` raises
+            raise SceneError(
+                f"compare: the coarsest mesh there is to choose, resolution {least}, takes "
+                f"{duration(prices.pace * seconds)}; raise `budget`, or give a `resolution`."
+            )
         bars = [
             Feature(BARS.format(name), size * needed)
             for name, needed in loads.items()
@@ -311,20 +315,14 @@ def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
             yield Feature(f"the {kind} between {name}", math.ceil(NARROW / width))
 
 
-def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
-    """Front of slip weakening, if the scene has one."""
-    from fem.resolution import WEAKENING_ELEMENTS
+def _of_scene(scene: Scene, end_time: float) -> Iterator[Feature]:
+    """Front of slip weakening, and shear waves of a slower lower body, if the scene has them."""
+    from fem.resolution import LEAST_CROSSED, WEAKENING_ELEMENTS
 
     width = process_zone(scene) / (scene.material.shear_speed * end_time)
     if width < math.inf:
         name = f"the weakening front, {width:.2g} c_t T long"
         yield Feature(name, math.ceil(WEAKENING_ELEMENTS / width))
-
-
-def _slow_waves(scene: Scene) -> Iterator[Feature]:
-    """Yield the shear waves of a slower lower body, if there is one."""
-    from fem.resolution import LEAST_CROSSED
-
     upper, lower = scene.bodies
     if lower.shear_speed < upper.shear_speed:
         ratio = lower.shear_speed / upper.shear_speed
@@ -357,16 +355,6 @@ def _limits(prices: Prices, budget: float | None, memory: float | None) -> Calla
         return seconds <= time and taken <= room
 
     return affordable
-
-
-def _refusal(prices: Prices, least: int, memory: float | None) -> SceneError:
-    """Error that not even the coarsest mesh is affordable, unless `fem` raises its own."""
-    size = min(least, USUAL)
-    seconds = prices.checked(size, memory)[0] + prices.comparing(size)
-    return SceneError(
-        f"compare: the coarsest mesh there is to choose, resolution {least}, takes "
-        f"{duration(prices.pace * seconds)}; raise `budget`, or give a `resolution`."
-    )
 
 
 def _chosen(

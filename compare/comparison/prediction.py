@@ -50,22 +50,17 @@ def planned(
     return prediction, choice
 
 
-def _chosen(scene: Scene, method: str) -> str:
-    """Return the name of the method that predicts a scene; a march is of identical bodies."""
-    if scene.lower_material is not None and method == "space-time":
-        raise SceneError(
-            "--method space-time is for identical bodies; leave it out for different ones, or "
-            "march them as an interface (docs/engine.md)."
-        )
-    return chosen(scene, method).name
-
-
 def predict_before(scene: Scene, method: str = "auto") -> Solution | PairSolution | None:
     """Return the prediction of a self-similar scene, which needs no simulation first; else None.
 
     It raises the same errors as `predict_like`.
     """
-    exactly = _chosen(scene, method)
+    if scene.lower_material is not None and method == "space-time":
+        raise SceneError(
+            "--method space-time is for identical bodies; leave it out for different ones, or "
+            "march them as an interface (docs/engine.md)."
+        )
+    exactly = chosen(scene, method).name
     return solve(scene, method=exactly) if exactly == "self-similar" else None
 
 

@@ -22,7 +22,7 @@ from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.rows import AGREES
 from compare.output.places import write_text
-from semianalytic.results.answer import Answer, method_of
+from semianalytic.results.answer import method_of
 from semianalytic.scene.given.documents import scene_document
 
 if TYPE_CHECKING:
@@ -69,12 +69,13 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
     explained in units/rows, or a unit by itself.
     """
     simulation, prediction = judgement.simulation, judgement.prediction
+    method = method_of(prediction)
     document: dict[str, Any] = {
         "scene": label,
         **judged_document(judgement),
         "parameters": scene_document(simulation.scene),
-        "method": method_of(prediction),
-        "semianalytic": _exact(prediction),
+        "method": method,
+        "semianalytic": solution_document(prediction) if method == "self-similar" else None,
         "finite_elements": _run(judgement.case),
         "fields": judgement.fields
         and {"band": BAND, "frames": [asdict(error) for error in judgement.fields.rows]},
@@ -101,12 +102,6 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
     document["units"] = units_document(document, SIMULATION_DIMENSIONS, simulation.scene)
     document["units"]["own_bars"] = row_units(simulation.scene, simulation.end_time)
     return document
-
-
-def _exact(prediction: Answer) -> dict[str, Any] | None:
-    """Return an exact answer as a document; None for other predictions."""
-    exact = method_of(prediction) == "self-similar"
-    return solution_document(prediction) if exact else None
 
 
 def _run(case: Case) -> dict[str, Any]:
@@ -141,13 +136,7 @@ _IMAGES = {"png": "png", "svg": "svg+xml"}
 
 def write_page(judgement: Judgement, label: str, path: Path, figures: Sequence[Path] = ()) -> None:
     """Write a judgement as one HTML page: the verdict, what is quoted of it, rows that do not agree
-    with reasons, figures, and all rows.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
+    with reasons, figures, and all rows; raises as `write_text`."""
     reasons = [
         f"<li>{escape(row.name)}{escape(f' at {row.place}' if row.place else '')}: "
         f"{escape(row.verdict)}{escape(f', {row.obstacle}' if row.obstacle else '')}</li>"
@@ -179,11 +168,5 @@ def _picture(figure: Path) -> str:
 
 
 def write_report(judgement: Judgement, label: str, path: Path) -> None:
-    """Write a judgement as JSON; the file is complete or not written at all.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
+    """Write a judgement as JSON; raises as `write_text`."""
     write_text(path, json_text(report_document(judgement, label)))

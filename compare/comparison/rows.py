@@ -173,8 +173,7 @@ class HasRows(Generic[AnyRow]):
     rows: tuple[AnyRow, ...]
 
     def __repr__(self) -> str:
-        counts = {one: len(self.having(one)) for one in (AGREES, DIFFERS, UNRESOLVED)}
-        found = ", ".join(f"{count} {one}" for one, count in counts.items() if count)
+        found = ", ".join(f"{count} {one}" for one, count in self.counts.items() if count)
         return f"<{type(self).__name__}: {self.said}; rows: {found}>"
 
     def having(self, verdict: str) -> tuple[AnyRow, ...]:

@@ -75,7 +75,8 @@ class FieldPicture:
         self.panel: Axes = self.figure.subplots()
         self._height: float | None = None  # of the title, which the layout is to find
         values = self._values(time)
-        self._norm = Normalize(*_range(values, quantity, self._rest()))
+        rest = float(quantity.at(fields, np.ones(1), np.ones(1), 0.0)[0])  # in the initial state
+        self._norm = Normalize(*_range(values, quantity, rest))
         image = self._draw(values, time)
         self.figure.colorbar(
             image,
@@ -102,10 +103,6 @@ class FieldPicture:
     def _values(self, time: float) -> Array:
         x, y = np.meshgrid(self._x, self._y)
         return self.quantity.at(self.fields, x.ravel(), y.ravel(), time).reshape(x.shape)
-
-    def _rest(self) -> float:
-        """Return the quantity in the initial state."""
-        return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
 
     def _draw(self, values: Array, time: float) -> AxesImage:
         panel, scene = self.panel, self.fields.scene

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -12,9 +10,6 @@ from compare.figures.style import cycle, describe, mark_waves, new_figure, style
 from compare.output.field_files import FieldRecord
 from semianalytic import Scene
 from semianalytic.scene.units import unit
-
-if TYPE_CHECKING:
-    pass
 
 _AXES = ("xx", "yy", "xy", "xz", "yz")
 

@@ -94,16 +94,10 @@ def record_fields(fields: Fields, x: float, y: float, t: Array) -> FieldRecord:
     stress is infinite, it may be undetermined (nan).
     """
     stress = fields.stress(x, y, t)
-    base = fields.stress(x, y, np.zeros(1))
-    return FieldRecord(
-        x,
-        y,
-        t,
-        fields.velocity(x, y, t),
-        fields.displacement(x, y, t),
-        stress,
-        strain(stress - base, fields.scene.bodies[bool(np.signbit(y))]),
-    )
+    change = stress - fields.stress(x, y, np.zeros(1))
+    strained = strain(change, fields.scene.bodies[bool(np.signbit(y))])
+    moved = fields.velocity(x, y, t), fields.displacement(x, y, t)
+    return FieldRecord(x, y, t, *moved, stress, strained)
 
 
 def write_record(path: Path, record: FieldRecord, units: str, command: str) -> None:

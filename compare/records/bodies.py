@@ -135,12 +135,12 @@ def _interface(
     motion: dict[str, Array] = {}
     units: dict[str, Unit] = {}
     guesses: dict[str, str] = {}
+    fields = ", ".join(mesh.point_data) or "none"
     for kind, aliases in VECTORS.items():
         name = options.columns.get(kind) or _called(aliases, mesh.point_data)
         if name is None:
             continue
         if name not in mesh.point_data:
-            fields = ", ".join(mesh.point_data) or "none"
             raise DataFileError(f"{path} has no field {name!r} at nodes; choose among {fields}.")
         field = np.asarray(mesh.point_data[name], dtype=float)
         along = field[:, 0] if field.ndim == 2 else field
@@ -151,7 +151,6 @@ def _interface(
                 units |= {f"{kind}_{side}": unit} if unit else {}
         guesses[name] = f"{kind} is the field {name!r}"
     if not motion:
-        fields = ", ".join(mesh.point_data) or "none"
         raise DataFileError(
             f"{path} has no field of velocity or displacement among {fields}; say velocity=NAME."
         )

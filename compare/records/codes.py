@@ -58,7 +58,12 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
     x, t = coordinates[:, 0] - options.origin, times[:, -1]
     count = times[-1, 0] if times.shape[1] > 1 else 0.0
     stated = replace(stated, mean=AFTER, step=float(t[-1] / count) if count > 0 else None)
-    _check_shapes(path, values, (len(t), len(x)))
+    for name, value in values.items():
+        if value.shape != (len(t), len(x)):
+            raise DataFileError(
+                f"{path}: {name} has shape {value.shape}, where times and coordinates ask for "
+                f"{(len(t), len(x))}; write the files anew."
+            )
     stations, mended = stations_of_grid(path, x, t, values)
     unread = tuple(name for name, _ in listed if name not in UGUCA_FIELDS)
     return Records(stations, None, str(path), (*notes, *mended), stated=stated, unread=unread)
@@ -98,15 +103,6 @@ def _words(path: Path, least: int) -> list[list[str]]:
         if len(row) < least:
             raise DataFileError(f"{path}, line {number}: there should be {least} words.")
     return [row[:least] for row in rows]
-
-
-def _check_shapes(path: Path, values: dict[str, Array], shape: tuple[int, int]) -> None:
-    for name, value in values.items():
-        if value.shape != shape:
-            raise DataFileError(
-                f"{path}: {name} has shape {value.shape}, where times and coordinates ask for "
-                f"{shape}; write the files anew."
-            )
 
 
 def _fortran_records(path: Path, points: int, count: int) -> Array:

@@ -90,8 +90,8 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
         spacing = _spacing(table, stated.units.get("x"))
         points.sort(key=lambda one: (one.x, one.y))
         notes = list(dict.fromkeys(notes))
-        records = Records(stations, None, source, tuple(notes), spacing, stated)
-        return replace(records, points=tuple(points), unread=unread), False
+        parts = tuple(notes), spacing, stated, tuple(points), unread
+        return Records(stations, None, source, *parts), False
     if not values:
         raise DataFileError(
             f"{path} holds {', '.join(fields)} of points inside the bodies; give columns x and y."
@@ -250,8 +250,7 @@ def _position(
         x = SCEC_UNIT * int(scec[1]) - origin
         return x, Unit("m", 1.0), [f"{path.name} is at x = {x + origin:g} m, by its name"]
     for comment in table.comments:
-        match = _COMMENTED.match(comment)
-        if match:
+        if match := _COMMENTED.match(comment):
             unit = _unit(path, match[2])
             size = unit.size if unit else 1.0
             return size * (_number(path, match[1]) - origin), unit, []
@@ -280,8 +279,7 @@ def _unit(path: Path, text: str) -> Unit | None:
 def _mean(table: NamedColumns) -> dict[str, Any]:
     """Fields of `Stated` for slip rates that comments call means over a step."""
     for comment in table.comments:
-        match = _MEAN.search(comment)
-        if match:
+        if match := _MEAN.search(comment):
             return {"mean": AFTER, "step": _number(table.path, match[1])}
     return {}
 
@@ -289,8 +287,7 @@ def _mean(table: NamedColumns) -> dict[str, Any]:
 def _spacing(table: NamedColumns, unit: Unit | None) -> float | None:
     """Distance of grid points, in the unit of x unless a comment names one, or 1 over the cells."""
     for comment in table.comments:
-        match = _SPACING.match(comment)
-        if match:
+        if match := _SPACING.match(comment):
             own = _unit(table.path, match[2])
             if own is not None and unit is None:
                 raise DataFileError(

@@ -8,13 +8,13 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
 from types import ModuleType
-from typing import Any, TypeVar
+from typing import Any
 
 from semianalytic.scene.errors import ComputationError
 
@@ -22,20 +22,11 @@ _log = logging.getLogger(__name__)
 
 Progress = Callable[[int, int], None]
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
-Item = TypeVar("Item")
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables of a process with one linear-algebra thread."""
 LIFELINE = "--lifeline"
 """Argument that informs a program that its standard input is a `lifeline`."""
-
-
-def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Iterator[Item]:
-    """Yield the items as they are made, and report to `progress` how many of `count` there are."""
-    for done, item in enumerate(items, 1):
-        if progress is not None:
-            progress(done, count)
-        yield item
 
 
 def run_tasks(
@@ -72,13 +63,12 @@ def run_tasks(
 
         results = on_cluster(tasks, client)
     else:
-        results = _in_order(tasks) if count <= 1 else _in_processes(tasks, count)
-    yield from counted(results, len(tasks), progress)
-
-
-def _in_order(tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
-    for index, (function, arguments) in enumerate(tasks):
-        yield index, function(*arguments)
+        here = ((at, function(*given)) for at, (function, given) in enumerate(tasks))
+        results = here if count <= 1 else _in_processes(tasks, count)
+    for done, result in enumerate(results, 1):
+        if progress is not None:
+            progress(done, len(tasks))
+        yield result
 
 
 def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]]:

@@ -68,13 +68,10 @@ class Exact:
         """
         key = (name, x, t.tobytes(), sampling)
         if key not in self._known:
-            self._known[key] = self._record(name, x, np.minimum(t, self.end_time), sampling)
+            t, mean = np.minimum(t, self.end_time), name == "slip_rate" and sampling.kind != POINT
+            values = self._mean_rate(x, t, sampling) if mean else getattr(self.answer, name)(x, t)
+            self._known[key] = np.asarray(values)
         return self._known[key]
-
-    def _record(self, name: str, x: float, t: Array, sampling: Sampling) -> Array:
-        if name == "slip_rate" and sampling.kind != POINT:
-            return self._mean_rate(x, t, sampling)
-        return np.asarray(getattr(self.answer, name)(x, t))
 
     def _mean_rate(self, x: float, t: Array, sampling: Sampling) -> Array:
         """Means over steps, which end with the answer."""

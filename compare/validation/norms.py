@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,12 +86,4 @@ def pooled(norms: list[Norm]) -> Norm:
     errors = [np.array([getattr(norm, kind) for norm in norms]) * sizes for kind in ("L1", "L2")]
     samples = sum(norm.samples for norm in norms)
     parts = float(errors[0].mean() / size), float(np.sqrt((errors[1] ** 2).mean()) / size)
-    return replace(
-        norms[0],
-        x=None,
-        exact=exact,
-        simulated=simulated,
-        L1=parts[0],
-        L2=parts[1],
-        samples=samples,
-    )
+    return Norm(norms[0].quantity, None, exact, simulated, *parts, samples)

@@ -311,10 +311,10 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
         ratios.append(values[sliding] / expected[sliding])
         sizes.append(np.abs(expected[sliding]))
         moved.append(np.abs(np.stack(smeared)[:, sliding] / expected[sliding] - 1).max(axis=0))
-    if not ratios or sum(map(len, ratios)) < FEW:
+    count = sum(map(len, ratios))
+    if count < FEW:
         return
     seen = float(np.median(np.concatenate(ratios)))
-    count = sum(map(len, ratios))
     noise = grids.noise.get("shear_traction", 0.0) / float(np.median(np.concatenate(sizes)))
     bar = Bar(
         STRENGTH_FLOOR + float(np.median(np.concatenate(moved))),

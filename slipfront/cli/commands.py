@@ -73,22 +73,6 @@ class _ToTerminal(logging.Handler):
         print(printable(f"{seconds:8.2f} s  {where}: {record.getMessage()}"), file=sys.stderr)
 
 
-def _show_messages(context: typer.Context, level: str | None) -> None:
-    """Print what the packages log at a level and above, until the command has ended."""
-    if level is None:
-        return
-    if level not in _LEVELS:
-        raise SceneError(f"--log must be one of {', '.join(_LEVELS)}, got {shown(level)}.")
-    handler = _ToTerminal()
-    for name in ("slipfront", "semianalytic", "fem", "meshes", "compare"):
-        logger = logging.getLogger(name)
-        before = logger.level
-        logger.setLevel(level.upper())
-        logger.addHandler(handler)
-        context.call_on_close(partial(logger.setLevel, before))
-        context.call_on_close(partial(logger.removeHandler, handler))
-
-
 def slipfront(
     context: typer.Context,
     log: Annotated[
@@ -109,7 +93,18 @@ def slipfront(
     ] = False,
 ) -> None:
     """Where, when, how fast and which way a frictional interface slips after a sudden load."""
-    _show_messages(context, log)
+    if log is None:
+        return
+    if log not in _LEVELS:
+        raise SceneError(f"--log must be one of {', '.join(_LEVELS)}, got {shown(log)}.")
+    handler = _ToTerminal()
+    for name in ("slipfront", "semianalytic", "fem", "meshes", "compare"):
+        logger = logging.getLogger(name)
+        before = logger.level
+        logger.setLevel(log.upper())
+        logger.addHandler(handler)
+        context.call_on_close(partial(logger.setLevel, before))
+        context.call_on_close(partial(logger.removeHandler, handler))
 
 
 _GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
@@ -207,7 +202,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         returns 143 if that was by SIGTERM), 141 if the reader of the output is gone.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
-    _make_streams_lenient()
+    for stream in (sys.stdout, sys.stderr):  # replace what a terminal cannot show, do not fail
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="replace")
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"), unread_said(as_json="--json" in arguments):
@@ -248,10 +245,3 @@ def _options(arguments: Sequence[str]) -> set[str]:
         command = commands[word]
         options |= {one.name for one in command.params if one.param_type_name == "option"}
     return options
-
-
-def _make_streams_lenient() -> None:
-    """Make output streams replace characters that a terminal cannot show instead of failing."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
-            stream.reconfigure(errors="replace")

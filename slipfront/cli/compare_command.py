@@ -39,7 +39,7 @@ from semianalytic.scene.given.finding import (
 )
 from semianalytic.scene.given.named import DEFAULT_SCENE
 from slipfront.cli import options, terminal
-from slipfront.cli.endings.refusals import check_converged, refuse_given
+from slipfront.cli.endings.refusals import check_converged, refuse_given, without_effect
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.simulate_command import simulate_into, with_error_bars
 
@@ -115,7 +115,7 @@ def compare_command(
         directory = output or from_
     else:
         if budget is not None and "resolution" in settings:
-            raise _without_effect("budget", "resolution")
+            raise without_effect("budget", "resolution")
         scene_name = scene_name or DEFAULT_SCENE
         label = scene_label(scene_name)
         directory = output or scene_folder(scene_name, {**overrides, **lower})
@@ -199,7 +199,7 @@ def _earlier_simulation(
     from fem.results import load_simulation
 
     if settings:
-        raise _without_effect(next(iter(settings)), "from")
+        raise without_effect(next(iter(settings)), "from")
     simulation = load_simulation(directory)
     scene = find_scene(scene_name) if scene_name else simulation.scene
     if override_scene(scene, **overrides) != simulation.scene:
@@ -209,12 +209,6 @@ def _earlier_simulation(
             "simulate again."
         )
     return simulation
-
-
-def _without_effect(*two: str) -> SceneError:
-    """Refusal of two options that exclude one another."""
-    one, other = map(options.option_name, two)
-    return SceneError(f"{one} has no effect with {other}; leave one of the two out.")
 
 
 def _compare_line(

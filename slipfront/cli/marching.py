@@ -21,8 +21,8 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, XARRAY, require
 from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
-from slipfront.cli.endings.refusals import in_options
-from slipfront.cli.options import MARCH_OPTIONS, in_bytes, option_name
+from slipfront.cli.endings.refusals import in_options, without_effect
+from slipfront.cli.options import MARCH_OPTIONS, in_bytes
 from slipfront.cli.scenes.points import AskedPoints, show_answer
 
 if TYPE_CHECKING:
@@ -80,9 +80,7 @@ def march_command(
                 raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
             kept = {"no_estimate"} if scene.on_line else {"memory"}
             if given := [name for name in options if name not in kept]:
-                raise SceneError(
-                    f"{option_name(given[0])} has no effect with --go-on; leave one of the two out."
-                )
+                raise without_effect(given[0], "go_on")
             options["go_on"] = saved
         every = options.get("every", 1) if saved is None else getattr(saved, "every", 1)
         if end_time is not None:

@@ -299,7 +299,10 @@ def with_options(
             for argument, group in groups.items():
                 values = {name: given.pop(name) for name in group}
                 collected[argument] = {k: v for k, v in values.items() if v is not None}
-                _check_finite(collected[argument])
+                for name, value in collected[argument].items():
+                    if isinstance(value, float) and not math.isfinite(value):
+                        named = option_name(name)
+                        raise SceneError(f"{named} must be a finite number, got {value}.")
             return command(**given, **collected)
 
         parameters = [
@@ -337,9 +340,3 @@ def in_seconds(time: str | None) -> float | None:
 def in_bytes(gigabytes: float | None) -> float | None:
     """Convert an amount of memory from gigabytes to bytes, as the solvers expect it."""
     return None if gigabytes is None else gigabytes * GIGABYTE
-
-
-def _check_finite(given: Mapping[str, Any]) -> None:
-    for name, value in given.items():
-        if isinstance(value, float) and not math.isfinite(value):
-            raise SceneError(f"{option_name(name)} must be a finite number, got {value}.")

@@ -20,7 +20,7 @@ from semianalytic.scene.loading import HalfLine
 from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.scenes.completion import figure_names
-from slipfront.cli.scenes.points import AskedPoints, points_of, show_answer
+from slipfront.cli.scenes.points import points_of, show_answer
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw
@@ -96,14 +96,26 @@ def solve_command(
     asked_for = points_of(problem, x, t)
     end_time = options.asked(problem, "end_time", end_time, "time")
     draw = _drawing(plot, figure)
-    shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
     if name == "space-time":
         from slipfront.cli.marching import march_command  # most scenes need no march
 
+        shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
         march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
     check_no_march_options(march_options, problem)
-    _solve_exactly(problem, label, end_time, asked_for, **shown)
+    if end_time is not None:
+        checked_size("solve: end_time", end_time)
+    solution = solve(problem, method="self-similar")
+
+    def tables() -> Iterator[PrintedTable]:
+        yield terminal.zones_table(solution, label)
+        if end_time is not None:
+            yield terminal.end_table(solution, end_time)
+        yield terminal.facts_table(solution)
+
+    document = solution_document(solution, end_time)
+    show_answer(solution, document, tables(), asked_for, {"Drawn": plot}, draw, as_json=as_json)
+    check_converged(solution, label)
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
@@ -119,29 +131,3 @@ def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
     figure_format(plot)
     check_file(plot)
     return find_figure(DEFAULT_FIGURE if figure is None else figure)
-
-
-def _solve_exactly(
-    problem: Any,
-    label: str,
-    end_time: float | None,
-    points: AskedPoints | None,
-    *,
-    as_json: bool,
-    draw: Draw | None,
-    plot: Path | None,
-) -> None:
-    """Solve a self-similar problem and print the result, also if it has not converged."""
-    if end_time is not None:
-        checked_size("solve: end_time", end_time)
-    solution = solve(problem, method="self-similar")
-
-    def tables() -> Iterator[PrintedTable]:
-        yield terminal.zones_table(solution, label)
-        if end_time is not None:
-            yield terminal.end_table(solution, end_time)
-        yield terminal.facts_table(solution)
-
-    document = solution_document(solution, end_time)
-    show_answer(solution, document, tables(), points, {"Drawn": plot}, draw, as_json=as_json)
-    check_converged(solution, label)

@@ -7,7 +7,6 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -122,6 +121,7 @@ def survey_command(
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.
     """
+    from compare.tasks.cluster import connected
     from slipfront.surveys.parameters import checked_subject
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
@@ -150,7 +150,9 @@ def survey_command(
     plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
     command = shlex.join(["slipfront", *sys.argv[1:]])
     bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
-    with on_scheduler(scheduler) as client, bar as progress:
+    if scheduler is not None:
+        require("--scheduler", *CLUSTER)
+    with connected(scheduler) as client, bar as progress:
         found = run_survey(plan, path, workers, client, progress, command)
     document = survey_document(found, path)
     if as_json:
@@ -158,15 +160,6 @@ def survey_command(
     else:
         Console().print(_table(document, scene_label(scene_name)))
         Console().print(f"Written to {path}", highlight=False, markup=False)
-
-
-def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
-    """A client of the scheduler at an address; None without an address."""
-    from compare.tasks.cluster import connected
-
-    if address is not None:
-        require("--scheduler", *CLUSTER)
-    return connected(address)
 
 
 def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:

@@ -10,6 +10,7 @@ from typing import Any
 
 from semianalytic import Scene
 from semianalytic.methods import chosen
+from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.given.template import scene_text
 from semianalytic.scene.units import unit
 from slipfront.explore.views import end_time, interface_view
@@ -19,10 +20,7 @@ Content = tuple[str, str, bytes]
 _LONGEST_LINE = 60
 """Longest line of a program that the page shows without breaking it."""
 _COLUMNS = {
-    "slip_rate": "length / time",
-    "slip": "length",
-    "shear_traction": "stress",
-    "pressure": "stress",
+    name: QUANTITIES[name][0] for name in ("slip_rate", "slip", "shear_traction", "pressure")
 }
 
 

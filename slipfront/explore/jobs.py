@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, Scene, Solution, Tractions, solve
-from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic import Marched, Scene, Tractions, solve
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.explore.views import DISPLACEMENT, SPEED, FieldView, end_time, field_view
@@ -68,16 +67,11 @@ class MarchViews(NamedTuple):
     field: FieldView | None
 
 
-def solved(scene: Scene, rtol: float) -> Solution | PairSolution:
-    """Solve a self-similar scene, or two different bodies."""
-    return solve(scene, rtol=rtol)
-
-
 def solved_field(
     scene: Scene, points: int, rtol: float, moment: Moment, progress: Progress
 ) -> FieldView:
     """Compute the field of a self-similar scene, or of two different bodies."""
-    return field_view(solved(scene, rtol), points, *moment)
+    return field_view(solve(scene, rtol=rtol), points, *moment)
 
 
 def marched_field(marched: Marched, moment: Moment, progress: Progress) -> FieldView:

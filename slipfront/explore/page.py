@@ -16,7 +16,7 @@ from typing import Any
 from bokeh.document import Document
 from bokeh.models import TextInput
 
-from semianalytic import Marched, Scene, Tractions
+from semianalytic import Marched, Scene, Tractions, solve
 from semianalytic.methods import chosen
 from semianalytic.results.answer import method_of
 from semianalytic.scene.errors import SlipfrontError
@@ -226,7 +226,7 @@ class Session:
 
     def _show_solution(self, scene: Scene, told: Mapping[str, Any]) -> None:
         moving, began = told["moving"], time.perf_counter()
-        solution = jobs.solved(scene, MOVING_RTOL if moving else RTOL)
+        solution = solve(scene, rtol=MOVING_RTOL if moving else RTOL)
         seconds = time.perf_counter() - began
         self._draw_contact(solution, MOVING_NODES if moving else views.NODES)
         self._answer, self._shown = solution, scene

@@ -91,16 +91,11 @@ class _LocalTornado(BokehTornado):
         asked = [request.host]
         if "Origin" in request.headers:
             asked.append(request.headers["Origin"].removeprefix("http://"))
-        if not all(self._is_own(host.lower()) for host in asked):
+        # Bokeh's own check covers only sockets, and in 3.6 took 127.0.0.1.example.org for 127.0.0.1
+        hosts = (host.lower() if ":" in host else f"{host.lower()}:80" for host in asked)
+        if not all(host in self.websocket_origins for host in hosts):
             return self.get_handler_delegate(request, _Stranger)
         return super().find_handler(request, **kwargs)
-
-    def _is_own(self, host: str) -> bool:
-        """Return whether a host is this server, comparing the names exactly.
-
-        Bokeh's own check covers only sockets, and in 3.6 took 127.0.0.1.example.org for 127.0.0.1.
-        """
-        return (host if ":" in host else f"{host}:80") in self.websocket_origins
 
 
 def make_server(scene: Scene, port: int) -> BaseServer:
@@ -139,18 +134,13 @@ def make_server(scene: Scene, port: int) -> BaseServer:
     return BaseServer(IOLoop.current(), application, listening)
 
 
-def address_of(server: BaseServer) -> str:
-    """Return the address of the page."""
-    return f"http://localhost:{server.port}/"
-
-
 def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
     """Serve the page until it is interrupted, and print its address; a browser may open it."""
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     logging.getLogger("tornado.access").setLevel(logging.ERROR)
     server = make_server(scene, port)
     server.start()
-    address = address_of(server)
+    address = f"http://localhost:{server.port}/"
     tell(address)
     if browser:
         server.io_loop.add_callback(webbrowser.open, address)

@@ -82,7 +82,12 @@ def gauges_and_notes(
 
     `fitted` holds the parameters to be fitted: changes of tractions do not say their base.
     """
-    given = _checked_noise({} if noise is None else noise)
+    given: dict[str, float] = {}
+    for name, one in (noise or {}).items():
+        if name not in ("", *QUANTITIES):
+            known = ", ".join(QUANTITIES)
+            raise SceneError(f"read_gauges: noise takes {known}, got {shown(name)}.")
+        given[name] = checked_size(f"noise of {name or 'all'}", one)
     paths = [paths] if isinstance(paths, str | PathLike) else paths
     if not (np.iterable(paths) and all(isinstance(p, str | PathLike) for p in paths)):
         raise SceneError(f"read_gauges: paths must be a path or several, got {shown(paths)}.")
@@ -117,15 +122,6 @@ def _placed(name: str, given: object) -> Placed:
     quantity, *place = given
     x, *y = (checked_number(f"read_gauges: place of {name}", one) for one in place)
     return Placed(quantity, x, y[0] if y and (y[0] or quantity in FIELDS) else None)
-
-
-def _checked_noise(noise: Mapping[str, float]) -> dict[str, float]:
-    """Return standard deviations by quantity; raise SceneError if they are invalid."""
-    for name in noise:
-        if name not in ("", *QUANTITIES):
-            known = ", ".join(QUANTITIES)
-            raise SceneError(f"read_gauges: noise takes {known}, got {shown(name)}.")
-    return {name: checked_size(f"noise of {name or 'all'}", one) for name, one in noise.items()}
 
 
 def _of_run(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -247,14 +247,8 @@ def _draw_pair(
 def _draw_correlation(panel: Axes, correlation: float) -> None:
     panel.set(xticks=[], yticks=[])
     words = "free" if np.isnan(correlation) else f"{correlation:+.2f}"
-    panel.text(
-        0.5,
-        0.5,
-        words,
-        transform=panel.transAxes,
-        ha="center",
-        va="center",
-        fontsize="medium" if abs(correlation) < STRONG else "x-large",
-    )
+    size = "medium" if abs(correlation) < STRONG else "x-large"
+    place: Any = {"transform": panel.transAxes, "ha": "center", "va": "center"}
+    panel.text(0.5, 0.5, words, fontsize=size, **place)
     for side in panel.spines.values():
         side.set_visible(False)

@@ -57,7 +57,8 @@ def variables_of(plan: SurveyPlan, chunks: Chunks) -> dict[str, Variable]:
         own = tuple(name for name in points if name in _material_of(prefix))
         varied = points if plan.together else own
         for name, quantity in SPEEDS.items():
-            result[f"{prefix}{name}"] = variable(_of_body(prefix, quantity), varied)
+            words = f"{quantity.meaning}{' of the lower body' if prefix else ''}"
+            result[f"{prefix}{name}"] = variable(replace(quantity, meaning=words), varied)
     return result
 
 
@@ -70,12 +71,6 @@ def _bodies(plan: SurveyPlan) -> dict[str, Material]:
 
 def _material_of(prefix: str) -> tuple[str, ...]:
     return tuple(f"{prefix}{name}" for name in MATERIAL)
-
-
-def _of_body(prefix: str, quantity: SurveyVariable) -> SurveyVariable:
-    return (
-        replace(quantity, meaning=f"{quantity.meaning} of the lower body") if prefix else quantity
-    )
 
 
 def filled(arrays: Mapping[str, Any], plan: SurveyPlan, chunks: Chunks) -> None:
@@ -171,10 +166,10 @@ def dataset_of(plan: SurveyPlan, chunks: Chunks, command: str) -> Any:
     import xarray
 
     variables = variables_of(plan, chunks)
-    arrays = {
-        name: np.full(one.shape, one.quantity.absent, dtype=_dtype(one))
-        for name, one in variables.items()
-    }
+    arrays: dict[str, Any] = {}
+    for name, one in variables.items():
+        kind: Any = object if one.quantity.kind == TEXT else one.quantity.kind
+        arrays[name] = np.full(one.shape, one.quantity.absent, dtype=kind)
     filled(arrays, plan, chunks)
     arrays |= wave_speeds(plan)
     used = {along for one in variables.values() for along in one.along}
@@ -185,11 +180,6 @@ def dataset_of(plan: SurveyPlan, chunks: Chunks, command: str) -> Any:
         },
         attrs=attributes(plan, command),
     )
-
-
-def _dtype(variable: Variable) -> Any:
-    kind = variable.quantity.kind
-    return object if kind == TEXT else np.dtype(kind)
 
 
 def netcdf_bytes(dataset: Any) -> Any:

@@ -22,10 +22,7 @@ MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 def checked_subject(given: object) -> Scene:
     """Return the scene that a survey was given, itself or by its name or file.
 
-    Raises
-    ------
-    SceneError
-        If it is none, or no survey takes it.
+    Errors are those of `find` and `checked_scene`.
     """
     found = find(given) if isinstance(given, str | PathLike) else given
     if isinstance(found, Scene) and found.on_line:

@@ -83,17 +83,6 @@ class Question:
                 changes[name] = checked_size(f"survey: {name}", getattr(self, name))
         if self.nodes is not None:
             changes["nodes"] = checked_count("survey: nodes", self.nodes, 1, "a whole number from")
-        self._check_places(of_interface)
-        unknown = [name for name in self.fields if name not in FIELDS]
-        if unknown:
-            raise SceneError(
-                f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."
-            )
-        if self.t and self.end_time is None and max(self.t) > 0 and not of_interface:
-            changes["end_time"] = max(self.t)
-        return replace(self, **changes)
-
-    def _check_places(self, of_interface: bool) -> None:
         if of_interface and not self.x and self.t:
             raise SceneError("survey: t are times of fields at positions; give x as well.")
         if not of_interface and bool(self.x) != bool(self.t):
@@ -102,6 +91,14 @@ class Question:
             raise SceneError("survey: x and t must be finite numbers.")
         if not of_interface and not all(x > 0 for x in self.x):
             raise SceneError("survey: x must be positions on the contact, x > 0.")
+        unknown = [name for name in self.fields if name not in FIELDS]
+        if unknown:
+            raise SceneError(
+                f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."
+            )
+        if self.t and self.end_time is None and max(self.t) > 0 and not of_interface:
+            changes["end_time"] = max(self.t)
+        return replace(self, **changes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,13 +211,7 @@ class SurveyPlan:
         }
 
     def check_memory(self) -> None:
-        """Refuse a survey that needs more memory than there is.
-
-        Raises
-        ------
-        SceneError
-            If it does not fit; the message says what to ask for instead.
-        """
+        """Refuse a survey that needs more memory than there is, and say what to ask for instead."""
         asked = self.question
         numbers = len(asked.fields) * len(asked.x) * len(asked.t)
         each = _POINT_BYTES + _NUMBER_BYTES * numbers

@@ -130,7 +130,11 @@ def _alone(scene: Scene, question: Question) -> Values:
     """Return the row of one scene."""
     start = process_time()
     try:
-        answer = _asked(scene, question)
+        options: dict[str, Any] = {"rtol": question.rtol or DEFAULT_RTOL}
+        if chosen(scene).name == MARCHED:
+            names = ("end_time", "nodes", "length", "rtol")
+            options = {name: getattr(question, name) for name in names}
+        answer: Any = solve(scene, **options)
         if answer.method == MARCHED:
             row = _of_march(answer, question)
         else:
@@ -141,13 +145,6 @@ def _alone(scene: Scene, question: Question) -> Values:
     except SlipfrontError as error:
         row = _refused(error)
     return {**row, "seconds": process_time() - start}
-
-
-def _asked(scene: Scene, question: Question) -> Any:
-    if chosen(scene).name != MARCHED:
-        return solve(scene, rtol=question.rtol or DEFAULT_RTOL)
-    options = {name: getattr(question, name) for name in ("end_time", "nodes", "length", "rtol")}
-    return solve(scene, **options)
 
 
 def _refused(error: SlipfrontError) -> Values:

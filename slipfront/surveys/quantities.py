@@ -40,11 +40,6 @@ class SurveyVariable:
         return {"f8": np.nan, "i1": 0, TEXT: ""}[self.kind]
 
 
-def _of_fields(name: str) -> SurveyVariable:
-    dimension, meaning = FIELD_QUANTITIES[name]
-    return SurveyVariable(dimension, meaning, ("t", "x"))
-
-
 QUANTITIES: Mapping[str, SurveyVariable] = {
     "edges": SurveyVariable(
         "length / time",
@@ -75,7 +70,7 @@ QUANTITIES: Mapping[str, SurveyVariable] = {
     "accumulated_slip": SurveyVariable("length^2", "integral of accumulated |slip| until the end"),
     "frictional_work": SurveyVariable("stress length^2", "energy turned to heat per unit depth"),
     **{
-        name: _of_fields(name)
+        name: SurveyVariable(*FIELD_QUANTITIES[name], ("t", "x"))
         for name in ("slip", "slip_rate", "shear_traction", "pressure", "gap")
     },
     "error_estimate": SurveyVariable("1", "error estimate of the answer, nan without one"),

@@ -24,7 +24,7 @@ from semianalytic.scene.extras import XARRAY, require
 from slipfront.surveys.parameters import Scene
 from slipfront.surveys.plan import Question, SurveyPlan, planned
 from slipfront.surveys.points import solved_chunk
-from slipfront.surveys.store import Store, opened_store
+from slipfront.surveys.store import opened_store
 
 FIELDS = ("slip_rate", "shear_traction", "pressure")
 
@@ -147,10 +147,10 @@ def run_survey(
     if plan.scene.on_line and client is None:
         workers = workers if can_travel(plan.scene) else 1
     plan.check_memory()
+    from slipfront.surveys.dataset import dataset_of, netcdf_bytes
+
     if path is None:
         require("A survey", "xarray")
-        from slipfront.surveys.dataset import dataset_of
-
         kept: dict[int, bytes] = {}
         _solve(plan, {}, kept.__setitem__, workers, client, progress)
         return dataset_of(plan, lambda: sorted(kept.items()), command)
@@ -163,7 +163,16 @@ def run_survey(
     with opened_store(path, plan) as store:
         known = {i for i in range(len(plan.regions)) if store.read(i) is not None}
         _solve(plan, known, store.keep, workers, client, progress)
-        result = _write(path, plan, store, command)
+
+        def chunks() -> Iterator[tuple[int, bytes]]:
+            for index in range(len(plan.regions)):
+                data = store.read(index)
+                if data is None:
+                    raise DataFileError(f"A chunk of {path} was damaged meanwhile; start again.")
+                yield index, data
+
+        result = dataset_of(plan, chunks, command)
+        write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
         store.clear()
     return result
 
@@ -189,22 +198,6 @@ def _solve(
         done += sizes[left[task]]
         if progress is not None:
             progress(done, plan.count)
-
-
-def _write(path: Path, plan: SurveyPlan, store: Store, command: str) -> Any:
-    """Write all chunks to the file and return the survey."""
-    from slipfront.surveys.dataset import dataset_of, netcdf_bytes
-
-    def chunks() -> Iterator[tuple[int, bytes]]:
-        for index in range(len(plan.regions)):
-            data = store.read(index)
-            if data is None:
-                raise DataFileError(f"A chunk of {path} was damaged meanwhile; start again.")
-            yield index, data
-
-    result = dataset_of(plan, chunks, command)
-    write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
-    return result
 
 
 def _written(path: Path, plan: SurveyPlan) -> Any:

@@ -18,12 +18,9 @@ RUN = "interface"
 
 
 def line_row(scene: Scene, question: Question) -> dict[str, Any]:
-    """March a scene and return its quantities by name.
+    """March a scene and return its quantities by name; SceneError without an end time.
 
-    Raises
-    ------
-    SceneError, ComputationError
-        As `run` does, or if there is no end time.
+    All other errors are those of `run`.
     """
     options: dict[str, Any] = dict(scene.run)
     for name in ("nodes", "rtol", "end_time"):

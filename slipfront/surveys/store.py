@@ -25,13 +25,7 @@ class Store:
         return self._folder / f"{index:08d}.npz"
 
     def keep(self, index: int, data: bytes) -> None:
-        """Write a chunk to the disk.
-
-        Raises
-        ------
-        DataFileError
-            If it cannot be written.
-        """
+        """Write a chunk to the disk; raises as `write_bytes`."""
         write_bytes(self._path(index), data, Seal.TRAILING)
 
     def read(self, index: int) -> bytes | None:

@@ -99,12 +99,7 @@ def field_errors(
     """Compare all frames of a simulation in a folder with a prediction; None if it has no fields.
 
     The last frame is also compared with those of the companions, if they were kept; `progress` is
-    called with (frame, frames) after each.
-
-    Raises
-    ------
-    DataFileError
-        If the frames cannot be read or are of another run.
+    called with (frame, frames) after each.  Errors are those of `listed_frames` and `read_frame`.
     """
     scene, size = simulation.scene, simulation.element_size
     # a march follows a load whose front moves over a part of the slot only

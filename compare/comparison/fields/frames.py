@@ -146,13 +146,16 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
 def _mesh(points: Array, cells: NDArray[np.integer[Any]], sides: int) -> Mesh:
     """Return a mesh whose elements have a number of sides."""
     corners = points[cells[:, :sides]]
-    centre, area = corners.mean(axis=1), _areas(corners)
+    x, y = np.moveaxis(corners, 2, 0)
+    following = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    area = np.abs((x * following[1] - y * following[0]).sum(axis=1)) / 2
+    centre = corners.mean(axis=1)
     above = np.zeros(len(points), dtype=bool)
     above[cells[centre[:, 1] > 0]] = True
     share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
     held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
-    y = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
-    return Mesh(points, cells, y, held, centre, area)
+    height = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
+    return Mesh(points, cells, height, held, centre, area)
 
 
 def last_frame(folder: Path, run: str | None = None) -> Frame:
@@ -162,10 +165,3 @@ def last_frame(folder: Path, run: str | None = None) -> Frame:
     DataFileError is raised.
     """
     return read_frame(*listed_frames(folder, run)[-1])
-
-
-def _areas(corners: Array) -> Array:
-    """Areas of polygons with corners (m, n, 2)."""
-    x, y = np.moveaxis(corners, 2, 0)
-    following = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
-    return np.asarray(np.abs((x * following[1] - y * following[0]).sum(axis=1)) / 2)

@@ -39,6 +39,7 @@ from semianalytic.engine.result import LineFields
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import SlipInterval
+from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import slip_intervals
 from semianalytic.scene.laws.law import follows_path
@@ -57,11 +58,7 @@ contact slides throughout, and how far its traction may stay below strength, ove
 it stops meanwhile: on 84 meshes of 28 drawn interfaces up to 0.012."""
 BELOW, STRENGTH = "traction below friction", "strength against pressure"
 UNITS = {
-    "slip": "length",
-    "slip_rate": "length / time",
-    "gap": "length",
-    "shear_traction": "stress",
-    "pressure": "stress",
+    name: QUANTITIES[name][0] for name in ("slip", "slip_rate", "gap", "shear_traction", "pressure")
 }
 """Unit of each field; of tractions, changes are compared."""
 

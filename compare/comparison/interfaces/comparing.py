@@ -89,13 +89,9 @@ def compare_interface(
     shift = grid_of(scene, nodes).shift
     lines = [line_of(scene, finest >> number, shift) for number in range(MESHES)]
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
+    kept["times"] = sample_times(end_time).tolist()
     # first the run, which refuses friction that has no answer
-    done = solve(
-        scene,
-        end_time=end_time,
-        nodes=nodes,
-        **{**kept, "times": sample_times(end_time).tolist()},
-    )
+    done = solve(scene, end_time=end_time, nodes=nodes, **kept)
     # waves of a few elements may grow on meshes even where friction admits none
     damping = DAMPING if scene.lower_material in (None, scene.material) else QUIETING
     simulations = [simulate_line(lines[0], end_time, damping=damping, progress=progress)]

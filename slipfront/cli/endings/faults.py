@@ -37,7 +37,13 @@ def crashed(error: BaseException, arguments: Sequence[str]) -> int:
     """Report an exception that nothing caught, and name it in a sentence; return `CRASHED`."""
     words = " ".join(f"{type(error).__name__}: {error}".split())
     what = words if len(words) <= _LONGEST else f"{words[:_LONGEST]}…"
-    text = _report(error, arguments)
+    text = _REPORT.format(
+        command=shlex.join(["slipfront", *map(str, arguments)]),
+        python=f"{sys.version.split()[0]} at {sys.executable}",
+        system=platform.platform(),
+        packages=", ".join(filter(None, map(_installed, _PACKAGES))),
+        traceback="".join(traceback.format_exception(error)),
+    )
     try:
         descriptor, path = tempfile.mkstemp(prefix="slipfront-fault-", suffix=".txt")
         with os.fdopen(descriptor, "w", encoding="utf-8", errors="replace") as stream:
@@ -54,16 +60,6 @@ def crashed(error: BaseException, arguments: Sequence[str]) -> int:
 def printable(message: object) -> str:
     """Return a message on one line without characters that a terminal would act on."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(message))
-
-
-def _report(error: BaseException, arguments: Sequence[str]) -> str:
-    return _REPORT.format(
-        command=shlex.join(["slipfront", *map(str, arguments)]),
-        python=f"{sys.version.split()[0]} at {sys.executable}",
-        system=platform.platform(),
-        packages=", ".join(filter(None, map(_installed, _PACKAGES))),
-        traceback="".join(traceback.format_exception(error)),
-    )
 
 
 def _installed(package: str) -> str:

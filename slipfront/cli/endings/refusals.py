@@ -65,6 +65,12 @@ def refuse_given(options: Mapping[str, Any], reason: str) -> None:
             raise SceneError(f"{option_name(name)} {reason}.")
 
 
+def without_effect(*two: str) -> SceneError:
+    """Refusal of two options that exclude one another."""
+    one, other = map(option_name, two)
+    return SceneError(f"{one} has no effect with {other}; leave one of the two out.")
+
+
 @contextmanager
 def in_one_sentence() -> Iterator[None]:
     """Raise what click would report in a box, such as an unknown option, as a SceneError.

@@ -14,6 +14,8 @@ from rich.markup import escape
 
 from compare.benchmarks.sheets import SI, Sheet, find_sheet, sheets
 from compare.output.printed import PrintedTable
+from semianalytic.results.answer import FIELDS, TOTALS
+from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
 from slipfront.cli.options import AsJson
@@ -37,13 +39,7 @@ _DIMENSIONS = {
     "zones": "length / time",
     "openings": "length / time",
     "arrivals": "time",
-    "slip": "length",
-    "max_slip": "length",
-    "accumulated_slip": "length^2",
-    "frictional_work": "stress length^2",
-    "slip_rate": "length / time",
-    "shear_traction": "stress",
-    "pressure": "stress",
+    **{name: QUANTITIES[name][0] for name in (*FIELDS, *TOTALS)},
 }
 
 

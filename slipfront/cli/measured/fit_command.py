@@ -147,11 +147,6 @@ def fit_command(
         print(text, end="")
     else:
         _show(found, written, (*notes, *not_read(unread)))
-    _check_converged(found)
-
-
-def _check_converged(found: Fit) -> None:
-    """Raise ComputationError if a fit is unreliable; call after printing."""
     if found.status != "converged":
         raise ComputationError(f"The fit is not to be relied upon: {found.status}.")
 
@@ -161,22 +156,18 @@ def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
     for note in notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     console.print(_values_table(found))
+    count = len(found.minima)
+    minima = f"{count} minima, the next with a chi2 {found.next_minimum:.3g} above"
+    minima = "one minimum" if count == 1 else minima
     console.print(_gauges_table(found))
     lines = [
         f"chi2 {found.chi2:.4g} of {found.freedom}: {misfit_sentence(found)}.",
-        f"{_minima(found)}; {found.solutions} solutions.",
+        f"The search found {minima}; {found.solutions} solutions.",
     ]
     lines += [f"The data add nothing to the prior of {name}." for name in known_by_prior(found)]
     lines += [f"Written to {path}" for path in written]
     for line in lines:
         console.print(line, highlight=False, markup=False)
-
-
-def _minima(found: Fit) -> str:
-    count = len(found.minima)
-    if count == 1:
-        return "The search found one minimum"
-    return f"The search found {count} minima, the next with a chi2 {found.next_minimum:.3g} above"
 
 
 def _values_table(found: Fit) -> PrintedTable:

@@ -135,6 +135,9 @@ def validate_command(
     if a file cannot be read.
     """
     require("slipfront validate", *PLOT)
+    from compare.figures.saving import save_figure
+    from compare.validation.figure import validation_figure
+
     scene = override_scene(find_scene(scene_name), **overrides)
     label = scene_label(scene_name)
     for size in spacing or ():
@@ -157,23 +160,15 @@ def validate_command(
     records = read_records(results, reading)
     validation = validate(records, scene, spacing=spacing, conventions=said)
     with working_folder(directory) as files:
-        write_files(validation, label, directory, figures)
-    if as_json:
+        save_figure(validation_figure(validation), directory / f"{FIGURE}.{figures}")
         document = validation_document(validation, label)
+        write_text(directory / REPORT, json_text(document))
+    if as_json:
         terminal.print_json("validate", document, validation.verdict, files)
     else:
         _show(validation, label, directory)
     failed = validation.verdict == DIFFERS or (strict and validation.verdict == CONVERTED)
     raise typer.Exit(1 if failed else 0)
-
-
-def write_files(validation: Validation, label: str, directory: Path, form: str = "png") -> None:
-    """Write a validation into a folder, as JSON and as a figure of a format."""
-    from compare.figures.saving import save_figure
-    from compare.validation.figure import validation_figure
-
-    save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
-    write_text(directory / REPORT, json_text(validation_document(validation, label)))
 
 
 def _columns(told: Sequence[str]) -> dict[str, str]:

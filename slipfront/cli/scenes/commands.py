@@ -98,20 +98,14 @@ def _what(scene: Scene) -> str:
 
 def _row(plugin: Plugin) -> dict[str, Any]:
     """Return a plugin as a row of the list, with the problem that prevents its use, if any."""
-    problem = ""
+    row = {"name": plugin.name, "what": plugin.noun, "package": plugin.package, "problem": ""}
     if plugin.name in _OWN[plugin.group]:
-        problem = "not used: slipfront has one of the same name"
-    else:
-        try:
-            find_plugin(plugin.group, plugin.name)
-        except PluginError as error:
-            problem = str(error)
-    return {
-        "name": plugin.name,
-        "what": plugin.noun,
-        "package": plugin.package,
-        "problem": problem,
-    }
+        return {**row, "problem": "not used: slipfront has one of the same name"}
+    try:
+        find_plugin(plugin.group, plugin.name)
+    except PluginError as error:
+        row["problem"] = str(error)
+    return row
 
 
 def _brought_row(plugin: Plugin) -> dict[str, Any]:
@@ -169,34 +163,22 @@ def init(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        document = {"scene": scene_document(scene), "units": _units(scene)}
-        _write(file, _text_of(from_), document, force=force, as_json=as_json)
-        return
-    solid = None if material is None else find_solid(material)
-    if units or solid:
-        scene = in_si_units(scene, None if solid is None else solid.material)
-    remark = f"{material}: {solid.source}." if solid else ""
-    text = scene_text(scene, from_, remark, with_all=with_all)
-    document = {"scene": scene_document(scene), "units": _units(scene)}
-    _write(file, text, document, force=force, as_json=as_json)
-
-
-def _text_of(name: str) -> str:
-    """Return the TOML file of a scene on a line."""
-    if name in NAMED_LINES:
-        return NAMED_LINES[name].lstrip()
-    return text_of(Path(name))
-
-
-def _write(file: Path, text: str, document: dict[str, Any], *, force: bool, as_json: bool) -> None:
-    """Write a file of a scene, or print it, or print the document of both."""
+        own = NAMED_LINES.get(from_)
+        text = text_of(Path(from_)) if own is None else own.lstrip()
+    else:
+        solid = None if material is None else find_solid(material)
+        if units or solid:
+            scene = in_si_units(scene, None if solid is None else solid.material)
+        remark = f"{material}: {solid.source}." if solid else ""
+        text = scene_text(scene, from_, remark, with_all=with_all)
+    document = {"scene": scene_document(scene), "units": _units(scene), "text": text}
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
             raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:
-        print_json("init", {**document, "text": text}, files=[] if file == STDOUT else [file])
+        print_json("init", document, files=[] if file == STDOUT else [file])
     elif file == STDOUT:
         sys.stdout.write(text)
     else:

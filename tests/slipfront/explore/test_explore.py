@@ -144,7 +144,7 @@ def test_nothing_of_an_answer_stays_beside_a_refusal(steel, monkeypatch):
         raise ValueError("shapes do not match")
 
     session._show(values, True, 0.0)
-    monkeypatch.setattr("slipfront.explore.jobs.solved", fail)
+    monkeypatch.setattr("slipfront.explore.page.solve", fail)
     with pytest.raises(ValueError, match="shapes"):
         session._show(values, True, 0.0)
     assert "ValueError: shapes do not match" in refused_by(session)
