@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
 from compare.comparison.judgement import side_by_side
-from compare.comparison.measures import norm
+from compare.comparison.measures import relative_error
 from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row as JudgedRow
@@ -38,9 +38,11 @@ AVERAGED = 0.6
 """Self-similar profiles are averaged over times from this fraction of T to T."""
 
 
-def last_profile(simulation: Simulation) -> Array:
-    """Return the final slip rate at the velocities `PROFILE`, interpolated between nodes."""
-    return _sampled(simulation, -1)
+def profile(simulation: Simulation, row: int = -1) -> Array:
+    """Return the slip rate at the velocities `PROFILE`, interpolated, at the end or a time."""
+    history = simulation.interface
+    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
+    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str, float]:
@@ -59,18 +61,12 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str
     at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
     relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
     return {
-        "last": norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        "averaged": norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "last": relative_error(last, exact, PROFILE, 1),
+        "averaged": relative_error(averaged, exact, PROFILE, 1),
         "first_peak": relative[0] if peaks else math.nan,
         "second_peak": relative[1] if len(peaks) > 1 else math.nan,
         "second_over_largest": at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
     }
-
-
-def _sampled(simulation: Simulation, row: int) -> Array:
-    history = simulation.interface
-    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
-    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
@@ -84,8 +80,8 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
         run = simulate(find(scene), resolution=resolution)
         t = run.interface.t
         latest = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
-        averaged = np.mean([_sampled(run, row) for row in latest], axis=0)
-        profiles.append((last_profile(run), averaged))
+        averaged = np.mean([profile(run, row) for row in latest], axis=0)
+        profiles.append((profile(run), averaged))
         before = rows[-1] if rows else {}
         row = _error_row(scene, f"1/{resolution}", profile_errors(solution, *profiles[-1]), before)
         rows.append({**row, "seconds": run.seconds["steps"]})
