@@ -20,9 +20,8 @@ from compare.comparison.judgement import side_by_side
 from compare.comparison.measures import relative_error
 from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
-from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.runner import Point, Row, Study, main, number
 from fem import Simulation, simulate
 from semianalytic import Solution, find, solve
 
@@ -114,17 +113,13 @@ def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
         ends: Row = {}
         for end in ("inner", "outer"):
             row = found.get(f"opening 1, {end} edge")
-            ends |= {end: _value(row, "simulated"), f"exact_{end}": _value(row, "exact")}
+            ends[end] = number(row.simulated if row else None)
+            ends[f"exact_{end}"] = number(row.exact if row else None)
         beyond = case.seen.x >= case.runs[-1].interface.x[0]
         seen, known = (one.gap[-1, beyond].max() for one in (case.seen, case.at_nodes))
         found_row = {"scene": scene, "h": f"1/{resolution}", **ends}
         rows.append({**found_row, "gap": gap, "order": order, "largest": seen / known - 1})
     return rows
-
-
-def _value(row: JudgedRow | None, name: str) -> float:
-    value = None if row is None else getattr(row, name)
-    return math.nan if value is None else float(value)
 
 
 def fields(scene: str, resolutions: Sequence[int]) -> list[Row]:
