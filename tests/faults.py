@@ -49,7 +49,9 @@ def identity_of(thing):
     """All that a thing holds, to be compared to the last bit."""
     if isinstance(thing, np.ndarray):
         return (thing.shape, thing.dtype.str, thing.tobytes())
-    if is_dataclass(thing):
+    if isinstance(thing, float):
+        return np.float64(thing).tobytes()
+    if is_dataclass(thing) and not isinstance(thing, type):
         return tuple((f.name, identity_of(getattr(thing, f.name))) for f in fields(thing))
     if isinstance(thing, dict):
         return tuple((key, identity_of(value)) for key, value in sorted(thing.items()))

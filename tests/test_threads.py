@@ -12,7 +12,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import fields, is_dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from catalogue import unit_scene
+from faults import identity_of
 
 from fem import simulate
 from semianalytic import Coulomb, Gauge, fit, solve, sweep
@@ -56,19 +56,6 @@ SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 Question = Callable[[Any], Any]
 
 
-def told(value: Any) -> Any:
-    """What a value holds, as plain numbers that compare bit for bit."""
-    if isinstance(value, np.ndarray):
-        return value.shape, value.dtype.str, value.tobytes()
-    if isinstance(value, float):
-        return np.float64(value).tobytes()
-    if isinstance(value, tuple | list):
-        return [told(one) for one in value]
-    if is_dataclass(value) and not isinstance(value, type):
-        return [told(getattr(value, one.name)) for one in fields(value)]
-    return repr(value)
-
-
 def questions(answer: Any) -> Iterator[tuple[str, Question]]:
     """All public methods and properties of an answer, each with two sets of arguments."""
     kind = type(answer)
@@ -96,7 +83,7 @@ def arguments(name: str, method: Any, step: int) -> dict[str, Any]:
 
 
 def asked_by_one(answer: Any, asked: dict[str, Question]) -> dict[str, Any]:
-    return {name: told(one(answer)) for name, one in asked.items()}
+    return {name: identity_of(one(answer)) for name, one in asked.items()}
 
 
 def asked_by_threads(answer: Any, asked: dict[str, Question]) -> list[dict[str, Any]]:
@@ -105,7 +92,7 @@ def asked_by_threads(answer: Any, asked: dict[str, Question]) -> list[dict[str, 
     def ask(seed: int) -> dict[str, Any]:
         names = list(asked)
         np.random.default_rng(seed).shuffle(names)
-        return {name: told(asked[name](answer)) for name in names}
+        return {name: identity_of(asked[name](answer)) for name in names}
 
     switching = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)

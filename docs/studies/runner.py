@@ -18,6 +18,7 @@ import argparse
 import csv
 import io
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
@@ -122,6 +123,11 @@ def as_row(found: Any) -> Row:
     """Return a dictionary or a dataclass instance as a row of Python's own numbers."""
     row = found if isinstance(found, dict) else asdict(found)
     return {k: v.item() if isinstance(v, np.generic) else v for k, v in row.items()}
+
+
+def number(value: float | None) -> float:
+    """Return a value, or nan instead of None."""
+    return math.nan if value is None else value
 
 
 def grouped(rows: Sequence[Row], *names: str) -> list[tuple[Point, list[Row]]]:

@@ -1,7 +1,7 @@
 """Times of common jobs in this checkout and in a commit: ``python -m docs.studies.speed COMMIT``.
 
 Each job runs in both checkouts in turn, in one process of one thread each, and the least processor
-times are compared: other load on the machine slows both.  The rows are those of docs/speed.md.
+times are compared: other load on the machine slows both.
 """
 
 from __future__ import annotations
@@ -20,8 +20,12 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+import slipfront as sf
+
 ROOT = Path(__file__).resolve().parents[2]
-# Jobs run in either checkout: they use public names alone, and import them when they run.
+# Jobs run in either checkout: they use public names, and import others when they run.
 
 
 def timed(run: Callable[[], object]) -> float:
@@ -33,8 +37,6 @@ def timed(run: Callable[[], object]) -> float:
 
 def solved(name: str, **options: Any) -> float:
     """Solve a scene by its name."""
-    import slipfront as sf
-
     return timed(lambda: sf.solve(name, **options))
 
 
@@ -45,10 +47,6 @@ def _warm(name: str) -> None:
 
 def swept(name: str, side: int) -> float:
     """Return milliseconds a scene of a sweep of a plane to 1e-6, after a small one."""
-    import numpy as np
-
-    import slipfront as sf
-
     if side > 20:
         _warm(name)
     friction = np.linspace(*((0.9, 1.3) if name == "remote-shock" else (0.2, 0.6)), side)
@@ -58,10 +56,6 @@ def swept(name: str, side: int) -> float:
 
 def stress(points: int) -> float:
     """Return seconds of stress at points, with the cells that a first call forms."""
-    import numpy as np
-
-    import slipfront as sf
-
     solution = sf.solve("preloaded", rtol=1e-9)
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, points))
     return timed(lambda: solution.stress(x, y, 1.0))
@@ -69,7 +63,6 @@ def stress(points: int) -> float:
 
 def picture(name: str) -> float:
     """Solve a scene and draw its coarse field, as `explore` does at a move of a slider."""
-    import slipfront as sf
     from slipfront.explore.jobs import Moment, solved_field
 
     return timed(lambda: solved_field(sf.find(name), 24, 1e-4, Moment(), lambda *_: None))

@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 
 from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
 from compare.comparison.judgement import side_by_side
-from compare.comparison.measures import norm
+from compare.comparison.measures import relative_error
 from compare.comparison.quantities.edge_rows import opening_rows
 from compare.comparison.quantities.profile_rows import gap_rows
-from compare.comparison.rows import Row as JudgedRow
 from compare.figures.snapshots import snapshot_figure
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.runner import Point, Row, Study, main, number
 from fem import Simulation, simulate
 from semianalytic import Solution, find, solve
 
@@ -38,9 +37,11 @@ AVERAGED = 0.6
 """Self-similar profiles are averaged over times from this fraction of T to T."""
 
 
-def last_profile(simulation: Simulation) -> Array:
-    """Return the final slip rate at the velocities `PROFILE`, interpolated between nodes."""
-    return _sampled(simulation, -1)
+def profile(simulation: Simulation, row: int = -1) -> Array:
+    """Return the slip rate at the velocities `PROFILE`, interpolated, at the end or a time."""
+    history = simulation.interface
+    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
+    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str, float]:
@@ -59,18 +60,12 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> dict[str
     at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
     relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
     return {
-        "last": norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        "averaged": norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        "last": relative_error(last, exact, PROFILE, 1),
+        "averaged": relative_error(averaged, exact, PROFILE, 1),
         "first_peak": relative[0] if peaks else math.nan,
         "second_peak": relative[1] if len(peaks) > 1 else math.nan,
         "second_over_largest": at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
     }
-
-
-def _sampled(simulation: Simulation, row: int) -> Array:
-    history = simulation.interface
-    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
-    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
@@ -84,8 +79,8 @@ def slip_rates(scene: str, resolutions: Sequence[int]) -> list[Row]:
         run = simulate(find(scene), resolution=resolution)
         t = run.interface.t
         latest = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
-        averaged = np.mean([_sampled(run, row) for row in latest], axis=0)
-        profiles.append((last_profile(run), averaged))
+        averaged = np.mean([profile(run, row) for row in latest], axis=0)
+        profiles.append((profile(run), averaged))
         before = rows[-1] if rows else {}
         row = _error_row(scene, f"1/{resolution}", profile_errors(solution, *profiles[-1]), before)
         rows.append({**row, "seconds": run.seconds["steps"]})
@@ -118,17 +113,13 @@ def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
         ends: Row = {}
         for end in ("inner", "outer"):
             row = found.get(f"opening 1, {end} edge")
-            ends |= {end: _value(row, "simulated"), f"exact_{end}": _value(row, "exact")}
+            ends[end] = number(row.simulated if row else None)
+            ends[f"exact_{end}"] = number(row.exact if row else None)
         beyond = case.seen.x >= case.runs[-1].interface.x[0]
         seen, known = (one.gap[-1, beyond].max() for one in (case.seen, case.at_nodes))
         found_row = {"scene": scene, "h": f"1/{resolution}", **ends}
         rows.append({**found_row, "gap": gap, "order": order, "largest": seen / known - 1})
     return rows
-
-
-def _value(row: JudgedRow | None, name: str) -> float:
-    value = None if row is None else getattr(row, name)
-    return math.nan if value is None else float(value)
 
 
 def fields(scene: str, resolutions: Sequence[int]) -> list[Row]:

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from functools import cache
 from io import BytesIO
@@ -20,7 +19,7 @@ from compare.comparison.prediction import predict_like
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.figures.histories import comparison_figures
 from compare.figures.style import look
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.runner import Point, Row, Study, main, number
 from semianalytic import find
 from semianalytic.results.answer import method_of
 from semianalytic.results.files import write_bytes
@@ -87,7 +86,7 @@ def summary(scene: str, resolution: int) -> Row:
     rows, over_time = {row.name: row for row in judgement.rows}, "slip rate over (x, t), L1"
 
     def difference(name: str, what: str = "difference") -> float:
-        return _number(getattr(rows[name], what) if name in rows else None)
+        return number(getattr(rows[name], what) if name in rows else None)
 
     profile = "slip rate, L1" if named.scene.is_self_similar else over_time
     sense = "other sense, part of map"
@@ -117,8 +116,8 @@ def quantities(scene: str, resolution: int) -> list[Row]:
     rows = {row.name: row for row in _judgement(scene, resolution).rows}
     for name in QUANTITIES[scene].split("; "):
         row = rows[name]
-        exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))
-        bar = _number(row.bar) * (at_nodes if row.relative else 1.0)
+        exact, at_nodes, simulated = map(number, (row.exact, row.at_nodes, row.simulated))
+        bar = number(row.bar) * (at_nodes if row.relative else 1.0)
         values: Row = {"exact": exact, "at_nodes": at_nodes, "simulated": simulated, "bar": bar}
         found.append({"scene": scene, "quantity": row.label, **values, "verdict": row.verdict})
     return found
@@ -128,14 +127,9 @@ def unresolved(scene: str, resolution: int) -> list[Row]:
     """Return the rows that the mesh does not resolve, why, and the resolution that would."""
     found: list[Row] = []
     for row in _judgement(scene, resolution).having(UNRESOLVED):
-        needed = {"obstacle": row.obstacle, "resolution": _number(row.resolution)}
+        needed = {"obstacle": row.obstacle, "resolution": number(row.resolution)}
         found.append({"scene": scene, "quantity": row.name, **needed})
     return found
-
-
-def _number(value: float | None) -> float:
-    """Return a value, or nan instead of None."""
-    return math.nan if value is None else value
 
 
 def figure_png(figure: Figure, dpi: int = 100, colours: int = 64) -> bytes:

@@ -16,7 +16,7 @@ import numpy as np
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
-from docs.studies.peers.rows import GridRun, places, record, timed_run
+from docs.studies.peers.rows import GridRun, fields_of, places, record, timed_run
 from docs.studies.peers.uguca import dumped
 
 COMMAND = "python -m docs.studies.peers.adhesion PROGRAM"
@@ -44,12 +44,9 @@ def ours(nodes: int) -> GridRun:
     )
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     done, seconds = timed_run(face, END, nodes, times)
-    every = nodes // GRIDS[0]
-    fields = {
-        "gap": done.interface.gap[:, ::every],
-        "pressure": done.interface.pressure[:, ::every],
-    }
-    return GridRun(f"{nodes} nodes", fields, seconds)
+    every, fields = nodes // GRIDS[0], fields_of(done, "gap", "pressure")
+    shown = {name: one[:, ::every] for name, one in fields.items()}
+    return GridRun(f"{nodes} nodes", shown, seconds)
 
 
 def main() -> None:

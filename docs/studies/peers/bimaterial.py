@@ -16,7 +16,7 @@ import numpy as np
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
-from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
+from docs.studies.peers.rows import Array, GridRun, fields_of, places, record, timed_run
 from docs.studies.peers.sem2dpack import Fields, patch, plain_input, their_run
 
 COMMAND = "python -m docs.studies.peers.bimaterial PROGRAM FOLDER"
@@ -59,11 +59,8 @@ def our_run(nodes: int) -> tuple[Fields, float]:
 
     fault = scene_along(upper, law, LENGTH, pressure=130e6, shear=shear, lower_material=lower)
     done, seconds = timed_run(fault, END, nodes, TIMES)
-    return Fields(
-        done.interface.t,
-        done.interface.x,
-        {"slip": done.interface.slip, "slip rate": done.interface.slip_rate},
-    ), seconds
+    fields = fields_of(done, "slip", "slip rate")
+    return Fields(done.interface.t, done.interface.x, fields), seconds
 
 
 def at_points(fields: Fields, seconds: float, count: int) -> GridRun:

@@ -109,6 +109,11 @@ def timed_run(
     return done, time.process_time() - began
 
 
+def fields_of(done: sf.Run, *names: str) -> dict[str, Array]:
+    """Return fields of a run (times, nodes) by their names in words."""
+    return {name: getattr(done.interface, name.replace(" ", "_")) for name in names}
+
+
 def places(description: str | None, *names: str) -> list[Path]:
     """Return the folders and programs of the command line, in the order of their names."""
     parser = argparse.ArgumentParser(description=description)

@@ -19,7 +19,15 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, places, record, seconds_of, timed_run
+from docs.studies.peers.rows import (
+    Array,
+    GridRun,
+    fields_of,
+    places,
+    record,
+    seconds_of,
+    timed_run,
+)
 
 COMMAND = "python -m docs.studies.peers.sem2dpack PROGRAM FOLDER"
 FIELDS = {"Slip": "slip", "Slip_Rate": "slip rate", "Shear_Stress": "shear traction"}
@@ -137,11 +145,8 @@ def our_run(problem: Problem, nodes: int, times: Array) -> tuple[Fields, float]:
     mode = "antiplane" if problem.depth else "in-plane"
     fault = replace(given, base=replace(given.base, shear=shear), even=True, mode=mode)
     done, seconds = timed_run(fault, float(times[-1]), nodes, times)
-    fields = {
-        "slip": done.interface.slip,
-        "slip rate": done.interface.slip_rate,
-        "shear traction": done.interface.shear_traction - done.interface.shear_traction[0],
-    }
+    fields = fields_of(done, *FIELDS.values())
+    fields["shear traction"] = fields["shear traction"] - fields["shear traction"][0]
     return Fields(done.interface.t, done.interface.x, fields), seconds
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import semianalytic as sf
-from docs.studies.peers.rows import Array, GridRun, places, record, timed_run
+from docs.studies.peers.rows import Array, GridRun, fields_of, places, record, timed_run
 
 COMMAND = "python -m docs.studies.peers.tpv205 FOLDER"
 NODES = (480, 960, 1920, 3840)
@@ -40,12 +40,11 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
     found = sf.find("tpv205")
     done, seconds = timed_run(found, float(t[-1]), nodes, t)
     where = np.abs(done.interface.x[:, None] - x).argmin(axis=0)
-    slip, rate, shear = (
-        field[:, where]
-        for field in (done.interface.slip, done.interface.slip_rate, done.interface.shear_traction)
-    )
-    fields = {"slip": slip[1:], "slip rate": rate[1:], "shear traction": shear[1:] - shear[0]}
-    return GridRun(f"{found.period / nodes:g} m", fields, seconds), shear[0]
+    whole = fields_of(done, "slip", "slip rate", "shear traction")
+    fields = {name: one[1:, where] for name, one in whole.items()}
+    before = whole["shear traction"][0, where]
+    fields["shear traction"] = fields["shear traction"] - before
+    return GridRun(f"{found.period / nodes:g} m", fields, seconds), before
 
 
 def main() -> None:

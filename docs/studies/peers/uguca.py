@@ -19,6 +19,7 @@ from docs.studies.pages import DATA
 from docs.studies.peers.rows import (
     Array,
     GridRun,
+    fields_of,
     places,
     record,
     rounded,
@@ -64,8 +65,8 @@ def tpv101(fields: Path, build: Path) -> None:
             seconds = seconds_of([program, "-N", str(nodes)], Path(scratch))
         theirs = GridRun(f"{PERIOD / nodes:g} m", published(fields, nodes), seconds)
         done, seconds = timed_run(found, times[-1], our_nodes, times, step_ratio=STEP_RATIO)
-        ours = {"slip": done.interface.slip, "slip rate": done.interface.slip_rate}
-        pairs.append((theirs, GridRun(f"{PERIOD / our_nodes:g} m", ours, seconds)))
+        ours = GridRun(f"{PERIOD / our_nodes:g} m", fields_of(done, *FILES), seconds)
+        pairs.append((theirs, ours))
     coarse, fine = (theirs.fields for theirs, _ in pairs)
     limit = {name: 2 * fine[name] - coarse[name] for name in FILES}
     record("UGUCA", "tpv101", COMMAND, pairs, limit)
@@ -105,17 +106,11 @@ def tpv103(build: Path) -> None:
         ours = arrival(line.slip_rate[:, int(np.argmin(np.abs(line.x - 9e3)))], line.t)
         row: Row = {"nodes": nodes, "step_ratio": ratio}
         row["step_ms"] = rounded(1e3 * ratio * PERIOD / nodes / shear_speed)
-        row["their_arrival"], row["our_arrival"] = (
-            rounded(arrival(rate, times), 4),
-            rounded(ours, 4),
-        )
-        rows.append(row)
-        pairs.append(
-            (
-                GridRun(f"{PERIOD / nodes:g} m, {ratio:g} h/c_t", {"slip": slip[at]}, None),
-                GridRun(f"{PERIOD / nodes:g} m", {"slip": line.slip[levels]}, None),
-            )
-        )
+        row["their_arrival"] = rounded(arrival(rate, times), 4)
+        rows.append(row | {"our_arrival": rounded(ours, 4)})
+        spacing = f"{PERIOD / nodes:g} m"
+        theirs = GridRun(f"{spacing}, {ratio:g} h/c_t", {"slip": slip[at]}, None)
+        pairs.append((theirs, GridRun(spacing, {"slip": line.slip[levels]}, None)))
     write_table(DATA / "tpv103-arrivals.csv", rows, COMMAND)
     smallest = min(range(len(rows)), key=lambda row: rows[row]["step_ms"])
     record("UGUCA", "tpv103", COMMAND, pairs, pairs[smallest][0].fields)
@@ -152,15 +147,9 @@ def our_bimat(nodes: int) -> GridRun:
     end = float(found.run["end_time"])
     times = [end * k / 20 for k in range(21)]
     done, seconds = timed_run(found, end, nodes, times)
-    fields = (
-        done.interface.slip,
-        done.interface.slip_rate,
-        done.interface.shear_traction,
-        done.interface.pressure,
-    )
     changes = {
         name: (field - BIMAT[name])[1:, :: nodes // 256]
-        for name, field in zip(BIMAT, fields, strict=True)
+        for name, field in fields_of(done, *BIMAT).items()
     }
     return GridRun(f"{24 / nodes:.3g} m", changes, seconds)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from docs.studies.regimes import figures
-from docs.studies.runner import Point, Row, Study, main
+from docs.studies.runner import Point, Row, Study, main, number
 from semianalytic import Coulomb, Material, Scene, Solution, Tractions, regimes, solve
 from semianalytic.reference import edge_speed_of_opening
 from semianalytic.regimes import Loading, regime, scene_of, stuck_threshold, thresholds
@@ -134,12 +134,11 @@ def viscosity_row(poisson_ratio: float, viscosity: float) -> Row:
 
     The second is nan if slip never covers c_R; viscosity is over rho c_t / 2.
     """
-    closing = regimes.viscous_closing(poisson_ratio, viscosity)
     return {
         "poisson_ratio": poisson_ratio,
         "viscosity": viscosity,
         "nucleation": regimes.viscous_nucleation(poisson_ratio, viscosity),
-        "closing": math.nan if closing is None else closing,
+        "closing": number(regimes.viscous_closing(poisson_ratio, viscosity)),
     }
 
 
@@ -192,14 +191,13 @@ def viscous_points(quick: bool) -> list[Point]:
 
 def threshold_row(nu: float) -> Row:
     """Return the frictions chi at which the regime changes; the gap is nan if it never closes."""
-    gap = regimes.gap_threshold("remote", nu)
     return {
         "poisson_ratio": nu,
         "preload_nucleation": regimes.nucleation("preload", nu),
         "edge": thresholds.edge_threshold_alone(nu),
         "stuck_front": thresholds.front_threshold_stuck(nu),
         "remote_nucleation": regimes.nucleation("remote", nu),
-        "gap": math.nan if gap is None else gap,
+        "gap": number(regimes.gap_threshold("remote", nu)),
     }
 
 

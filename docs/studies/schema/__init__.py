@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from compare.output.places import write_text
-from compare.output.tables import write_rows
+from docs.studies.runner import Row, write_table
 from docs.studies.schema.answers import DOCUMENTS
 from docs.studies.schema.vocabulary import DEFINITIONS, TEXT, UNITS, Key, Schema, list_of, object_of
 
@@ -46,26 +45,17 @@ def _command(name: str, keys: Mapping[str, Key]) -> Schema:
     return object_of([key for key, one in whole.items() if not one.always], **described)
 
 
-@dataclass(frozen=True)
-class KeyRow:
-    """A key of the document of a command."""
-
-    command: str
-    key: str
-    meaning: str
-
-
-def key_rows() -> list[KeyRow]:
+def key_rows() -> list[Row]:
     """Return all keys, beginning with those that all commands share."""
-    rows = [KeyRow("all", key, one.meaning) for key, one in ENVELOPE.items()]
-    for name, ways in DOCUMENTS.items():
-        merged = {key: one for keys in ways for key, one in keys.items()}
-        rows += [KeyRow(name, key, one.meaning) for key, one in merged.items()]
-    return rows
+    return [
+        {"command": name, "key": key, "meaning": one.meaning}
+        for name, ways in (("all", (ENVELOPE,)), *DOCUMENTS.items())
+        for key, one in {key: one for keys in ways for key, one in keys.items()}.items()
+    ]
 
 
 def write(docs: Path = DOCS) -> None:
     """Write schema and table; raise DataFileError if that fails."""
     text = json.dumps(schema(), indent=1, ensure_ascii=False)
     write_text(docs / "schema.json", text + "\n")
-    write_rows(docs / "data" / "json-keys.csv", key_rows(), command=COMMAND)
+    write_table(docs / "data" / "json-keys.csv", key_rows(), COMMAND)

@@ -35,7 +35,6 @@ from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _LABEL = Key("name of the scene", TEXT)
-_PARAMETERS = Key("the scene itself", SCENE)
 _ESTIMATE = Key("relative error estimate of the answer", NUMBER)
 _METHOD = Key("self-similar or space-time", TEXT)
 _WAVE_SPEEDS = Key("speeds of the waves that occur in the fields", named(NUMBER))
@@ -273,7 +272,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "notes": Key("units and conventions that were given, and corrections", list_of(TEXT)),
             "unread": Key("columns of the files that are not read", list_of(TEXT)),
             "not_compared": Key("quantities that the files do not hold", list_of(TEXT)),
-            "parameters": _PARAMETERS,
+            "parameters": Key("the scene itself", SCENE),
             "method": _METHOD,
             "end_time": Key("end time T", NUMBER),
             "spacing": Key("grid spacing of the finest run", NUMBER),

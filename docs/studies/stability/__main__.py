@@ -121,23 +121,6 @@ def rules_figure(rows: list[Row]) -> Figure:
     return figure
 
 
-def fem_figure(rows: list[Row]) -> Figure:
-    """Draw where runs above the critical step stop, and errors over damping and nu."""
-    damping = {"x": "damping", "by": ("mesh",), "xlabel": r"damping $\eta\, c_t / h$"}
-    last = {"y": "step", "yscale": "linear", "ylabel": "last step at 1.05 × critical step"}
-    locking = {"x": "poisson_ratio", "by": ("mesh",), "xlabel": r"Poisson ratio $\nu$"}
-    return drawn(
-        rows,
-        [
-            damping | last | {"where": {"study": "step", "step_ratio": 1.05}},
-            damping | {"where": {"study": "step", "step_ratio": 0.95}},
-            locking | {"where": {"study": "locking"}},
-        ],
-        "finite elements: preloaded (ν = 1/3, f = 0.3) but for what varies",
-        **{"y": "error", "ylabel": "relative L1 error", "yscale": "log"},
-    )
-
-
 def march_figure(rows: list[Row]) -> Figure:
     """Draw the errors of the four parts of the study; crosses at the bottom were refused."""
     labels = {
@@ -178,7 +161,7 @@ STUDIES = [
         march_row,
         figures={"stability-space-time": march_figure},
     ),
-    Study("fem-stability", fem_points, fem_row, figures={"fem-stability": fem_figure}),
+    Study("fem-stability", fem_points, fem_row),
 ]
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.measures import relative_error
-from docs.studies.accuracy.fem import PROFILE, last_profile
+from docs.studies.accuracy.fem import PROFILE, profile
 from docs.studies.accuracy.march import last_march, step_error
 from docs.studies.runner import Point, Row
 from fem import Simulation, simulate
@@ -107,7 +107,7 @@ def _error(run: Simulation) -> float:
     """Return the relative L1 error of the final profile; nan if there is no exact solution."""
     try:
         exact = solve(run.scene).slip_rate(PROFILE * run.scene.material.shear_speed, 1.0)
-        return relative_error(last_profile(run), exact, PROFILE, 1)
+        return relative_error(profile(run), exact, PROFILE, 1)
     except SlipfrontError:
         return math.nan
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from time import process_time
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -117,11 +118,16 @@ def _clear(solution: Solution, random: Generator) -> Array:
     return x[np.abs(x[:, None] - marks).min(axis=1) > _CLEAR * speed]
 
 
+def over(apart: Any, allowed: Any) -> float:
+    """The largest share of what is allowed; inf where nothing is and there is a difference."""
+    apart, allowed = np.broadcast_arrays(apart, allowed)
+    share = np.divide(apart, allowed, out=np.where(apart > 0, np.inf, 0.0), where=allowed > 0)
+    return float(share.max(initial=0.0))
+
+
 def _over(change: Array, scale: Array | float, bound: float) -> float:
     """The largest change over a scale and a bound; 0 where nothing is and nothing changes."""
-    change, scale = np.broadcast_arrays(np.abs(change), scale)
-    share = np.divide(change, scale, out=np.where(change > 0, np.inf, 0.0), where=scale > 0)
-    return float(share.max(initial=0.0)) / bound
+    return over(np.abs(change), scale) / bound
 
 
 def _both(rough: Solution, fine: Solution, name: str, *at: Array) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ import slipfront as sf
 from docs.studies.accuracy.march import rate_error
 from docs.studies.golden import one_of, random_line, random_march, random_pair, random_scene
 from docs.studies.runner import Row, Study, grouped, main
-from docs.studies.trials.campaign import on_the_interface
+from docs.studies.trials.campaign import on_the_interface, over
 from docs.studies.trials.draws import random_step_scene, random_steps
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.template import scene_text
@@ -70,13 +70,6 @@ def solved(scene: Any, **settings: Any) -> Any:
 def between(one: Any, other: Any, random: Generator) -> float:
     """The largest difference of fields on the interface over what both answers allow."""
     return max(on_the_interface(one, other, random).values())
-
-
-def over(apart: Any, allowed: Any) -> float:
-    """The largest share of what is allowed; inf where nothing is and there is a difference."""
-    apart, allowed = np.broadcast_arrays(apart, allowed)
-    share = np.divide(apart, allowed, out=np.where(apart > 0, np.inf, 0.0), where=allowed > 0)
-    return float(share.max(initial=0.0))
 
 
 def differs(one: Any, other: Any, allowed: float) -> float:

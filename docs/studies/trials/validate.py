@@ -22,7 +22,7 @@ from compare.records.record import QUANTITIES
 from compare.validation.rows import PLACES
 from compare.validation.validation import Validation, validate
 from docs.studies.accuracy.march import reference
-from docs.studies.runner import Point, Row, Study, grouped, main
+from docs.studies.runner import Point, Row, Study, grouped, main, number
 from docs.studies.trials.draws import HISTORIES, OPENINGS, STEPS, judged_scene
 from docs.studies.trials.wrong_answers import MISTAKEN_SCENES
 from fem import simulate
@@ -85,8 +85,7 @@ def right_rows(use: str, kind: str, index: int, code: str) -> list[Row]:
 
 
 def _bar_of(found: Validation, name: str) -> float:
-    bar = next((row.bar for row in found.rows if row.name == name), None)
-    return math.nan if bar is None else bar
+    return number(next((row.bar for row in found.rows if row.name == name), None))
 
 
 def alarms(rows: list[Row]) -> list[Row]:
