@@ -369,7 +369,7 @@ def test_a_line_that_cannot_be_is_refused_in_a_sentence(change, said):
 
 @pytest.mark.parametrize("speed", [0.0, np.inf])
 def test_a_speed_beyond_all_sense_is_refused(speed):
-    with pytest.raises(sf.SceneError, match="patch: speed must"):
+    with pytest.raises(sf.SceneError, match="patch: (speed must|its ends must move)"):
         sf.Patch(speed, shear=1.0)
 
 
@@ -398,7 +398,7 @@ def test_solve_and_march_name_what_takes_a_line():
         lambda one: sf.solve(one, method="space-time"),
         lambda one: sf.sweep(one, [0.3]),
     ):
-        with pytest.raises(sf.SceneError, match=r"without a slot|with a slot alone"):
+        with pytest.raises(sf.SceneError, match=r"without a slot|only scenes with a slot"):
             function(line)
 
 
