@@ -1,7 +1,7 @@
 """Times of common jobs in this checkout and in a commit: ``python -m docs.studies.speed COMMIT``.
 
 Each job runs in both checkouts in turn, in one process of one thread each, and the least processor
-times are compared: other load on the machine slows both.
+times are compared: other load on the machine slows both.  The rows are those of docs/speed.md.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ SELF_SIMILAR = ("preloaded", "remote-shock", "auxetic", "antiplane")
 IN_PROCESS_ZONE, FINEST_IN_PROCESS_ZONE = (2, 3, 4, 6, 8, 12, 16, 24), 64
 """Nodes in the process zone of slip weakening, and of the references."""
 POINTS = 300
-"""Random points in both bodies, within 1.1 times the reach of the waves."""
+"""Points on 12 depths in both bodies, random in x within 1.1 times the reach of the waves."""
 ROUNDING = 1e-12
 LEVELS = 100
 """Largest number of levels at which slip rates are compared."""
@@ -103,7 +103,8 @@ def field_errors(scene: sf.Scene, nodes: int) -> Row:
     marched, exact = reference(scene, end, nodes), sf.solve(scene)
     reach = 1.1 * scene.fastest_speed * end
     x = np.random.default_rng(1).uniform(-reach, reach, (POINTS // 12, 12))
-    depths = reach * np.linspace(0.1, 1.0, 6)  # those of both bodies share their sums
+    # clear of plane fronts, which a march smears over four steps on either side
+    depths = reach * np.linspace(0.08, 0.84, 6)
     at = x, np.concatenate([depths, -depths]), end
     errors: Row = {}
     for name in ("velocity", "stress", "displacement"):
@@ -184,7 +185,7 @@ STUDIES = [
     Study(
         "march-accuracy", _by_scene(SELF_SIMILAR[:3], (128, 256, 512, 1024, 2048, 4096)), accuracy
     ),
-    Study("march-fields", _by_scene(SELF_SIMILAR, (64, 128, 256, 512, 1024)), fields),
+    Study("march-fields", _by_scene(SELF_SIMILAR, (64, 128, 256)), fields),
     Study("march-weakening", _by_scene(tuple(WEAKENING), IN_PROCESS_ZONE), weakening),
 ]
 

@@ -101,4 +101,4 @@ def test_gauges_of_a_march_along_a_line_record_what_its_answer_says(tmp_path, un
         last = dict(zip(lines[1].split(","), map(float, lines[-1].split(",")), strict=True))
         assert last["v_x [length/time]"] == pytest.approx(run.velocity(*at, 2.0)[0])
         assert last["eps_xy [1]"] == pytest.approx(run.strain(*at, 2.0)[2])
-    assert "scenes with a slot alone" in shown("field whole-line-patch --points 4", 2).err
+    assert "only scenes with a slot" in shown("field whole-line-patch --points 4", 2).err

@@ -209,8 +209,8 @@ def test_zones_below_the_grid_are_told_by_the_intensity_of_the_moving_front():
             "with `method` space-time",
         ),
         (
-            lambda: march(SCENES["SH"], end_time=0.1, nodes=20).stress(0.1, 0.1, 0.05),
-            "not known from a march",
+            lambda: march(SCENES["SH"], end_time=0.1, nodes=20).velocity(-0.2, 0.1, 0.05),
+            "is followed from x = -0.105 on",
         ),
     ],
 )
