@@ -77,7 +77,9 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
         assert hidden[name].verdict == "differs", name
         assert shown[name].verdict == "agrees", name
         assert shown[name].order == pytest.approx(2.0, abs=0.2)
-        if name in slips:  # strength is off by as much as slip, and slip by that as well
+        # strength is off by as much as slip, and slip by that as well; shear traction is believed
+        # to be of first order
+        if name in (*slips, "shear traction, L1"):
             assert bar < shown[name].bar < 3 * bar
         else:
             assert shown[name].bar == pytest.approx(bar, abs=8e-3)
@@ -241,7 +243,8 @@ def test_wrong_answers_differ(name, wrong):
     pair = pair_called(name)
     upper, lower = pair.bodies
     others = {
-        "friction": replace(pair, friction=1.03 * pair.friction),
+        # 3 % move `pair-opening` by 1.2 bars
+        "friction": replace(pair, friction=1.06 * pair.friction),
         "exchanged": replace(pair, material=lower, lower_material=upper),
         "stiffer": with_numbers(pair, {"lower_shear_modulus": 1.1 * lower.shear_modulus}),
     }

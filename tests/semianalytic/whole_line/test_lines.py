@@ -369,7 +369,7 @@ def test_a_line_that_cannot_be_is_refused_in_a_sentence(change, said):
 
 @pytest.mark.parametrize("speed", [0.0, np.inf])
 def test_a_speed_beyond_all_sense_is_refused(speed):
-    with pytest.raises(sf.SceneError, match="patch: (speed must|its ends must move)"):
+    with pytest.raises(sf.SceneError, match=r"patch: (speed must|its ends must move)"):
         sf.Patch(speed, shear=1.0)
 
 
