@@ -96,7 +96,8 @@ def march_command(
         save_somewhere(lambda path: write_bytes(path, content), save, save.name)
     elif save is not None:
         save_somewhere(done.save, save, save.name)
-    if interruption.pressed:
+    # a march along a line notes the signal itself
+    if interruption.pressed or done.status.startswith("interrupted"):
         if save is not None:
             notes.print(f"{save} holds the march until t = {done.end_time:.6g}.", highlight=False)
         raise typer.Exit(INTERRUPTED)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic import Marched, find, solve
+from semianalytic import Marched, Run, find, solve
 
 # --- whole lines and growing loads ----------------------------------------------------------------
 
@@ -186,6 +186,16 @@ def test_interrupted_march_is_saved(monkeypatch, shown, printed):
     assert "holds the march until" in " ".join(said.split())
     assert Marched.load("march.h5").statistics.steps == 30
     printed("solve harmonic --go-on march.h5")
+
+    @contextmanager
+    def soon(*_):
+        # of a thousand parts of a march along a line, which notes the signal itself
+        yield lambda done, parts: os.kill(os.getpid(), signal.SIGINT) if done > 0 else None
+
+    with monkeypatch.context() as patch:
+        patch.setattr("compare.output.progress.progress_bar", soon)
+        shown("solve supershear --nodes 128 --save line.h5 --no-estimate", 130)
+    assert 0 < Run.load("line.h5").end_time < 30
 
 
 def test_going_on_with_another_scene_is_refused(tmp_path, refused):
