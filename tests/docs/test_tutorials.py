@@ -1,6 +1,7 @@
 """Every notebook in docs/tutorials runs, asserts what it teaches, and is kept with its outputs."""
 
 import ast
+import itertools
 import json
 import re
 import sys
@@ -70,12 +71,17 @@ def text_of(notebook):
     return [cell.source for cell in notebook.cells if cell.cell_type == "markdown"]
 
 
+def kinds(cell):
+    """What a cell gives; a kernel sends what is printed in pieces of any number."""
+    outputs = [(one.output_type, one.get("name")) for one in cell.get("outputs", ())]
+    return [kind for kind, _ in itertools.groupby(outputs)]
+
+
 @pytest.mark.thinned(20)
 @pytest.mark.parametrize("name", LESSONS)
 def test_tutorial_runs_and_draws(name, tmp_path):
-    kept = [len(cell.get("outputs", ())) for cell in read(name).cells]
-    done = run(read(name), tmp_path)
-    assert [len(cell.get("outputs", ())) for cell in done.cells] == kept
+    kept, done = read(name), run(read(name), tmp_path)
+    assert list(map(kinds, done.cells)) == list(map(kinds, kept.cells))
     outputs = [output for cell in done.cells for output in cell.get("outputs", ())]
     pictures = sum("image/png" in output.get("data", ()) for output in outputs)
     assert pictures >= 2

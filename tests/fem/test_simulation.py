@@ -220,10 +220,10 @@ def test_what_is_summed_ends_with_the_end_time():
 @pytest.mark.parametrize(
     ("scene", "most"),
     [
-        # measured: 0.77, 0.43, 0.54, 0.39
+        # measured on meshes of 40 to 60: up to 0.83, 0.44, 0.74, 0.39
         (PRELOADED, 0.9),
         (SHOCK, 0.55),
-        (unit_scene(0.15, (1.0, 0.1), (0.0, 0.9), nu=0.2), 0.6),
+        (unit_scene(0.15, (1.0, 0.1), (0.0, 0.9), nu=0.2), 0.8),
         (unit_scene(0.6, nu=0.0), 0.6),
     ],
 )

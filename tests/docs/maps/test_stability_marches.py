@@ -14,7 +14,9 @@ def test_finite_elements_stop_above_the_critical_step_and_say_what_to_change():
     """Energy is not gained where the contact closes again."""
     points = fem_points(True)
     above = next(one for one in points if one[0] == "step" and one[3]["step_ratio"] == 1.05)
-    stopped, reclosed = fem_row(*above), fem_row(*points[-1])
+    # a run of few steps takes a multiple of four of them, which shortens each
+    stopped = fem_row(*above[:3], above[3] | {"step_ratio": 1.15})
+    reclosed = fem_row(*points[-1])
     assert stopped["outcome"] == "stopped"
     assert 0 < stopped["step"] < stopped["steps"]
     assert "lower `step_ratio`" in stopped["message"]

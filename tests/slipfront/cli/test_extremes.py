@@ -66,7 +66,7 @@ QUICKLY = ("frictionless", "no load", "small load", "much friction", "most frict
 
 
 NOTHING_SHOWN = ("much friction",)
-"""Scenes whose mesh shows no zone of slip, so that tractions decide alone, and are named."""
+"""Scenes whose mesh shows no zone of slip, and tractions no closer than a tenth."""
 
 
 @pytest.mark.thinned(10)
@@ -77,8 +77,7 @@ NOTHING_SHOWN = ("much friction",)
 def test_a_run_without_error_agrees(name):
     solution = solved(scene_of(name))
     judgement = judge(solution, faultless(solution, 100))
-    assert judgement.verdict == "agrees"
-    assert ("of shear traction" in judgement.said) == (name in NOTHING_SHOWN)
+    assert judgement.verdict == ("unresolved" if name in NOTHING_SHOWN else "agrees")
     assert judgement.counts["differs"] == 0
     document = finite_everywhere(json_text(report_document(judgement, name)))
     assert len(document["rows"]) == len(judgement.rows)

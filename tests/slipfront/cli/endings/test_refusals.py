@@ -142,7 +142,7 @@ REFUSED = {
         ("--spacing 1mm", "--spacing has a unit, but the scene"),
     ],
     "sliding --lower 30e9,2700,0.25 --friction 0.4 --upper": [
-        ("12e9,2300", "--upper has to be three numbers"),
+        ("12e9,2300", "--upper has to be a solid"),
         ("12GPa,2300,0.25", "nits at all moduli and densities or at none"),
         ("12cm,2300,0.25", "--upper: the shear modulus must be a number alone or in Pa"),
     ],
