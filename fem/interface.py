@@ -232,7 +232,7 @@ class Joint:
         return self._rubbed - self.shear * self.sliding.increment() / 2
 
     def sums(self) -> dict[str, Array]:
-        """What the joint carries on from kick to kick; arrays per node are its own, not copies."""
+        """Sums carried on from kick to kick; arrays per node are those of the joint, not copies."""
         work = np.array([self._friction, self._impact, self._external])
         names = ("path", "state", "felt", "pressure")
         return {"work": work, "friction": self._rubbed} | {n: getattr(self, n) for n in names}

@@ -76,8 +76,9 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     own = dict(getattr(problem, "run", {}))  # settings of a march, which exact answers pass over
     if "go_on" in settings:
         own.pop("nodes", None)  # which are those of the march that goes on
-    settings = {k: v for k, v in own.items() if k in {one.name for one in known}} | settings
-    unknown = sorted(settings.keys() - {one.name for one in known})
+    names = {one.name for one in known}
+    settings = {name: value for name, value in own.items() if name in names} | settings
+    unknown = sorted(settings.keys() - names)
     if unknown and all(one.kind is not one.VAR_KEYWORD for one in known):
         takes = ", ".join(one.name for one in known) or "none"
         what = f"{name} for a {type(problem).__name__}"

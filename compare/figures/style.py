@@ -22,6 +22,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
+from semianalytic.results.plotting import scene_title
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import REMOTE
@@ -155,9 +156,7 @@ def scene_words(scene: Scene) -> str:
     with their sizes in SI scenes.
     """
     if scene.on_line:  # whose friction and tractions may vary along it
-        metre = f" {unit('length', scene.units)}" if scene.units else ""
-        period = f"{scene.period:.4g}{metre}: {scene.on_line}"
-        return f"ν = {scene.material.poisson_ratio:.4g},  on a line of period {period}"
+        return scene_title(scene)
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
     numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""

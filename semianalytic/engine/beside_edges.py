@@ -1,4 +1,4 @@
-"""What a grid does not know beside the edges of contacts: singular fields, slip and gaps below it.
+"""Errors of a grid next to edges of contacts: singular fields, slip and gaps that no node shows.
 
 All of it is read off the first nodes, by what a crack tip is on a grid (`dissimilar.grid_edge`).
 """
@@ -31,7 +31,7 @@ def film_error(first: Array, second: Array, slope: Any, impedance: float) -> Arr
     slope : array or float
         Traction of the film over its slip rate [stress time / length].
     impedance : float
-        The same of plane waves, which bear the rest.
+        Traction of plane waves over the slip rate, which bear the rest [stress time / length].
     """
     offset, of_contact, _ = edge_factors(0.0)
     ratio = np.sqrt(offset / (1 + offset)) * (of_contact[1] / of_contact[0]).real

@@ -10,7 +10,8 @@ import numpy as np
 ERROR_SAFETY = 1.25
 """Estimate over the difference from half the nodes: errors are 0.35 to 1.05 of it in 100 scenes."""
 NARROW_SAFETY, WIDE_SAFETY = 1.5, 0.9
-"""The same of slip along a line: errors are up to 1.1 and 0.75 of it in 103 random scenes."""
+"""Estimate of slip and slip rate along a line over that difference, where zones have few nodes or
+ends of contacts are displaced, and elsewhere: errors are up to 1.1 and 0.75 of it in 103 scenes."""
 NARROW = 5
 """Nodes of the coarser grid below which a slip zone is narrow."""
 MEMORY_SAFETY = 4.0

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.engine.beside_edges import EdgeNodes
 from semianalytic.engine.bodies.marched_bodies import MarchedAnswer
 from semianalytic.results.intervals import line_points, line_positions
 from semianalytic.results.questions import (
@@ -90,12 +91,19 @@ class LineAnswer(Questions, MarchedAnswer):
     def reading(self: Any, x: ArrayLike, t: ArrayLike) -> Reading:
         """Return what happens at x until t, arrivals and fields, each with a bar of its error.
 
-        Bars are those of `SampledAnswer.reading`; they are inf without an estimate.
+        A bar is 1.6 times the largest difference from the companion with half the nodes, within
+        two of its nodes around the point and as far in time, and at least its mean over the contact
+        that has slipped; openings that no node shows are added.  It is inf without a companion.
+
+        Parameters
+        ----------
+        x, t : arrays
+            Positions [length] and times [time], which broadcast.
 
         Raises
         ------
         SceneError
-            For the reasons given at `slip`.
+            If x or t is not finite, not on the contact, or beyond what was recorded.
         """
         found = sampled_reading(self, x, t)
         if self.scene.may_open:
@@ -115,8 +123,6 @@ class LineAnswer(Questions, MarchedAnswer):
     @cached_property
     def _hidden(self: Any) -> float:
         """Part of what drives slip that openings which no node shows take off."""
-        from semianalytic.engine.beside_edges import EdgeNodes  # which reads answers
-
         return EdgeNodes(self).missed_opening[1]
 
     @property

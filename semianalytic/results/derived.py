@@ -58,6 +58,14 @@ def strain(stress: ArrayLike, material: Material) -> Array:
     return rows / (2 * material.shear_modulus)
 
 
+def hooke(strain: Array, material: Material) -> Array:
+    """Return the stress of a strain (n, ...) in plane strain, the inverse of `strain`."""
+    nu = material.poisson_ratio
+    stress = strain.copy()
+    stress[:2] += nu / (1 - 2 * nu) * (strain[0] + strain[1])
+    return np.asarray(2 * material.shear_modulus * stress)
+
+
 def principal_difference(stress: ArrayLike) -> Array:
     """Return the difference sigma_1 - sigma_2 >= 0 of the principal stresses in the plane (x, y).
 

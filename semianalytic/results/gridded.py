@@ -80,7 +80,8 @@ class Gridded:
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:
         """Draw slip rate and tractions over x at a time, or the slip rate over (x, t).
 
-        Speeds of waves are marked.  In SI units lengths are in mm, times in µs, stresses in MPa.
+        Waves and open parts are marked.  Scenes in SI units are drawn in km, m, mm or µm, in s, ms
+        or µs, and in MPa, kPa or Pa, as suits the numbers.
 
         Parameters
         ----------
@@ -235,8 +236,10 @@ class AnswerInBodies(Gridded):
         (3, ...) array
             sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
             The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); they do not
-            determine the initial sigma_xx, so that one is the change since t = 0.  At the contact
-            edge the value is that just ahead of it, where that is finite.
+            determine the initial sigma_xx, so that one is the change since t = 0.  Base tractions
+            and loads on the line that vary along x determine no stress away from it: of these a
+            march has the change that slip makes alone.  At the contact edge the value is that just
+            ahead of it, where that is finite.
         """
         return np.asarray(self._bodies.stress(x, y, t))
 

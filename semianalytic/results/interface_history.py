@@ -80,7 +80,10 @@ class InterfaceHistory:
     def to_xarray(self) -> Any:
         """Return the history as an `xarray.Dataset` of dimensions t and x, with units.
 
-        Raises MissingLibraryError without xarray.
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
         """
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return dataset(values.pop("x"), values.pop("t"), values)

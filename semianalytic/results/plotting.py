@@ -39,7 +39,7 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
     axes = ax
     if ax is None:
         figure, axes = pyplot.subplots(1 if mapped else 2, sharex=True, layout="constrained")
-        figure.suptitle(_title(answer.scene), fontsize="small")
+        figure.suptitle(scene_title(answer.scene), fontsize="small")
     if mapped:
         return _map(answer, history, axes)
     _profile(answer, axes, _end(answer) if t is None else t)
@@ -56,7 +56,7 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
         raise SceneError(f"animate: path must end with .gif, got {path.name}.")
     shown = np.linspace(end / 40, end, 40) if times is None else np.atleast_1d(times)
     figure, axes = pyplot.subplots(2, sharex=True, layout="constrained")
-    figure.suptitle(_title(answer.scene), fontsize="small")
+    figure.suptitle(scene_title(answer.scene), fontsize="small")
     limits = _profile(answer, axes, float(np.max(shown)))
 
     def show(t: float) -> None:
@@ -114,7 +114,7 @@ def _labelled(what: str, unit: str) -> str:
     return what if unit in _SHOWN else f"{what} [{unit}]"
 
 
-def _title(scene: Any) -> str:
+def scene_title(scene: Any) -> str:
     """Return what a figure says of its scene."""
     metre, _, pascal = _units(scene, scene.period, 0.0)
     bodies = [one for one in (scene.material, scene.lower_material) if one is not None]

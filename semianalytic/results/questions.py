@@ -78,14 +78,19 @@ class Questions:
     def path(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the accumulated |slip| [length], from the stored levels.
 
-        Errors are those of `slip_rate`.
+        Positions and times broadcast.
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite, not on the contact, or beyond what was recorded.
         """
         return np.asarray(self._between(self._sums[0], x, t))
 
     def work_density(self: Any, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length].
 
-        It is that of the stored levels; errors are those of `slip_rate`.
+        It is that of the stored levels; errors are those of `path`.
         """
         return np.asarray(self._between(self._sums[1], x, t))
 
@@ -99,8 +104,26 @@ class Questions:
 
         Slip has begun where its rate passes 1 % of the largest one anywhere until then, or the
         `slipping` of a `Run`, and an opening at the first stored level with a gap.  Times are
-        interpolated linearly between levels and nodes, and inf where it has not come by the end.
-        Parameters and errors are those of `Solution.arrival`, of positions within the record.
+        interpolated linearly between levels and nodes.
+
+        Parameters
+        ----------
+        x : array
+            Positions [length] on the contact, within what was recorded.
+        of : str
+            "slip" of either sense, "forward" or "reverse" for slip towards +x or -x alone, or
+            "opening".  Slip includes the motion of open parts.
+
+        Returns
+        -------
+        array
+            Times of the shape of x; inf where it has not come by the end.
+
+        Raises
+        ------
+        SceneError
+            If a position is not finite, off the contact or beyond the nodes, or there is no such
+            arrival.
         """
         onset = self._onset(checked_arrival(of))
         return onset_between(self._seen.x, self._places(x), onset)

@@ -86,7 +86,17 @@ class SampledAnswer(Questions, Gridded):
         A bar is 1.6 times the largest difference from the companion with half the nodes, within
         two of its nodes around the point and as far in time; arrivals have the time a shear wave
         takes between two of these nodes besides.  It is inf without a companion.  Read `status`
-        too: bars do not hold where it says "unresolved".  Errors are those of `slip_rate`.
+        too: bars do not hold where it says "unresolved".
+
+        Parameters
+        ----------
+        x, t : arrays
+            Positions [length] and times [time], which broadcast.
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite, not on the contact, or beyond what was recorded.
         """
         return sampled_reading(self, x, t)
 

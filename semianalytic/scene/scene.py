@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.checks import among, shown
+from semianalytic.scene.checks import among, check_keys, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
@@ -52,8 +52,8 @@ SLOWEST_FRONT = 1e-4
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
-
-
+RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
+"""Settings of marches that a scene may have; each method takes those that it knows."""
 _LOADS = (Tractions, IncidentWave, MovingLoad, LineLoad, InterfaceLoad, FrontLoad, tuple)
 
 
@@ -177,6 +177,7 @@ class Scene(AlongLine):
                 raise SceneError(
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
+        check_keys("run.", self.run, (), RUN)
         # Equal bodies are one problem, however it is stated.
         if self.lower_material == self.material:
             object.__setattr__(self, "lower_material", None)

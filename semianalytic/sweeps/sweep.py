@@ -105,8 +105,12 @@ class Sweep:
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the relative slip rate at each friction, (n, ...) [length / time].
 
-        Positions x > 0 [length] and times t [time] broadcast to (...); raises as that of a
-        `Solution`.
+        Positions x > 0 [length] and times t [time] broadcast to (...).
+
+        Raises
+        ------
+        SceneError
+            If a position is not positive, or x or t is not finite.
         """
         return self._field("slip_rate", x, t)
 
@@ -123,7 +127,14 @@ class Sweep:
         outward) and edge ("inner", "outer"); `error_estimate`, `status` and `origin` friction
         alone.  Over several Poisson ratios the dimension is `point` instead of friction, which then
         is a coordinate along it, like poisson_ratio.  Every variable has the attributes `units` and
-        `long_name`.  Raises as `slip_rate`, and MissingLibraryError without xarray.
+        `long_name`.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        SceneError
+            If a position is not positive, or x or t is not finite.
         """
         with needing("to_xarray"):
             import xarray

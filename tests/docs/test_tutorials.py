@@ -72,7 +72,7 @@ def text_of(notebook):
 
 
 def kinds(cell):
-    """What a cell gives; a kernel sends what is printed in pieces of any number."""
+    """Kinds of output of a cell; a kernel sends printed text in any number of pieces."""
     outputs = [(one.output_type, one.get("name")) for one in cell.get("outputs", ())]
     return [kind for kind, _ in itertools.groupby(outputs)]
 

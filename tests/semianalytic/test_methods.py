@@ -89,6 +89,16 @@ def test_a_table_keeps_its_own_numbers():
     assert table != sf.Table(x, values)
 
 
+def test_settings_of_a_march_in_a_scene_leave_its_method_alone():
+    """An exact answer passes over them, and a march takes those that it knows."""
+    given = {"end_time": 0.25, "nodes": 64, "frames": 10}
+    exact, marched = (sf.solve(replace(sf.find(name), run=given)) for name in ("preloaded", "ramp"))
+    assert exact.zones == sf.solve("preloaded").zones
+    assert (marched.end_time, marched.grid.observed) == (0.25, 64)
+    with pytest.raises(sf.SceneError, match=r"unknown key run\.node; did you mean nodes"):
+        replace(sf.find("ramp"), run={"node": 64})
+
+
 @pytest.mark.parametrize(
     ("problem", "settings", "said"),
     [

@@ -355,7 +355,7 @@ def crossed(name: str, index: int, seed: int = SEED) -> Row:
 
 
 def claimed(name: str, index: int) -> Row:
-    """The same of a check of estimates, on a seed on which nothing was chosen."""
+    """Return the row of one check of estimates, on a seed on which nothing was chosen."""
     return crossed(name, index, CLAIMED_SEED)
 
 
@@ -376,7 +376,7 @@ def summary(rows: list[Row]) -> list[Row]:
 
 
 def claims(rows: list[Row]) -> list[Row]:
-    """The same, with the median of estimates over errors."""
+    """Return a row for each check of estimates, with the median of estimates over errors."""
     found = {
         name: np.array([row["ratio"] for row in own]) for (name,), own in grouped(rows, "check")
     }

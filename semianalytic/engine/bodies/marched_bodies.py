@@ -25,14 +25,16 @@ from semianalytic.engine.stepping.line import Grid
 from semianalytic.field.body import Quantity, checked_points
 from semianalytic.field.plane_wave import plane_wave
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
+from semianalytic.results.derived import hooke
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.questions import ROUNDING, check_times
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.checks import finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -156,7 +158,7 @@ class MarchedBodies:
         # seen from its own face, what is odd in y changes its sign in the lower body
         rows[:, below] *= -flips if alike else flips
         if asked == "strain":
-            rows = np.where(below, *(_hooke(rows, self.scene.bodies[lower]) for lower in (1, 0)))
+            rows = np.where(below, *(hooke(rows, self.scene.bodies[lower]) for lower in (1, 0)))
         return rows
 
     def _summed(self, lower: bool, asked: Asked, x: Array, depth: Array, t: Array) -> Array:
@@ -385,18 +387,10 @@ def singular_edges(
             yield float(end), side
 
 
-def _hooke(strain: Array, body: Material) -> Array:
-    """Return the stress (n, p) of a strain in plane strain."""
-    nu = body.poisson_ratio
-    stress = strain.copy()
-    stress[:2] += nu / (1 - 2 * nu) * (strain[0] + strain[1])
-    return np.asarray(2 * body.shear_modulus * stress)
-
-
 def _uniform(field: object) -> float:
     """Return a field along x if it is a number: one that varies does not say what the bodies carry
     away from the interface."""
-    return 0.0 if callable(field) else float(field)  # type: ignore[arg-type]
+    return finite(field) or 0.0
 
 
 def _factors(load: InterfaceLoad, t: Array) -> Array:

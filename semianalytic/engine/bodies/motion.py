@@ -18,7 +18,7 @@ Single = NDArray[np.float32]
 MOST_VALUES = 1 << 24
 """Largest number of mean rates that a record keeps; they take 4 bytes each."""
 FALL = 1e-9
-"""What exp(-eta t) falls to over the window of a transform."""
+"""Value of exp(-eta t) at the end of the window of a transform."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ class Levels:
 
     @cached_property
     def _factor(self) -> Complex:
-        """What makes rates at times of means between them, tapered, (frequencies,)."""
+        """Factors that turn transforms of mean rates into those of rates, tapered."""
         s = self.frequencies
         # Rates between times stand at their middles, half a step later; a mean over a step is less
         # than the rate there by sinh(z) / z.

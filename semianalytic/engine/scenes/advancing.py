@@ -89,7 +89,8 @@ def advance(
         # Half of `every`, rounded up, of half the steps: levels lie at about the same times.
         behind = Walk(companion, coarser, 2 * finest, -(-every // 2), walk.blocks.block // 2)
         follows = behind.steps(lambda at: ended and at >= walk.blocks.time)
-    for ended in walk.steps(asked):  # noqa: B007
+    for last in walk.steps(asked):
+        ended = last
         next(follows)
         if behind is not None:
             departure = _departure(departure, walk, behind)

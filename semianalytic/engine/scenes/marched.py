@@ -36,7 +36,7 @@ from semianalytic.scene.scene import Scene
 Array = NDArray[np.float64]
 
 SMALLEST = 1e-300
-"""What sums are divided by where nothing slips."""
+"""Least divisor of a relative error, where nothing slips."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,6 @@ WHOLE_LINE = "whole line"
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 _LINE = {"period": math.inf, "rate": 0.0, "plate_rate": 0.0, "held": math.inf, "even": False}
 """Keys of a scene on a line besides tables, and what they are by default."""
-_RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 _TAKEN = ("friction", "viscosity", "angle", *_LINE, *MATERIAL)
 """Names of parameters that named numbers cannot have."""
 _POINTS, _TIMES = 257, 9
@@ -190,7 +189,6 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
         )
     if "run" in document:
         parts["run"] = checked_table("run", document["run"])
-        check_keys("run.", parts["run"], (), _RUN)
     if "lower_material" in document:
         parts["lower_material"] = _solid("lower_material", document["lower_material"])
     scene = Scene(

@@ -7,6 +7,16 @@ from collections.abc import Mapping
 _UNIT = "[material]\nshear_modulus = 1.0\ndensity = 1.0\npoisson_ratio = 0.25\n"
 _CRUST = "[material]\nshear_modulus = 32.03812032e9\ndensity = 2670.0\npoisson_ratio = 0.250022\n"
 
+_TAPER = '(1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"\n'
+_NUCLEATION = """ * exp(x**2 / min(x**2 - 9e6, -1e-3))"
+history = "exp((min(t, 1) - 1)**2 / min(min(t, 1) * (min(t, 1) - 2), -1e-12))"
+[run]
+nodes = 1440
+step_ratio = 0.35
+every = 20
+"""
+"""Parts of TPV101 and TPV103: where a rises, and the load over 3 km that comes within a second."""
+
 NAMED_LINES: Mapping[str, str] = {
     "rate-and-state": """
 summary = "slow sliding and two events of a fault that weakens with slip rate, in one run of 100 s"
@@ -151,20 +161,16 @@ even = true
 base = {pressure = 120e6, shear = 75e6}
 [friction_law]
 kind = "rate-and-state"
-a = "0.008 + 0.004 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"
-b = 0.012
+a = "0.008 + 0.004 * """
+    + _TAPER
+    + """b = 0.012
 f0 = 0.6
 v0 = 1e-6
 distance = 0.02
 [load]
-shear = "25e6 * exp(x**2 / min(x**2 - 9e6, -1e-3))"
-history = "exp((min(t, 1) - 1)**2 / min(min(t, 1) * (min(t, 1) - 2), -1e-12))"
-[run]
-end_time = 15.0
-nodes = 1440
-step_ratio = 0.35
-every = 20
-"""
+shear = "25e6"""
+    + _NUCLEATION
+    + "end_time = 15.0\n"
     + _CRUST,
     "tpv103": """
 summary = "SCEC TPV103 in two dimensions, as UGUCA ran it: friction that falls at high slip rates"
@@ -176,25 +182,20 @@ even = true
 base = {pressure = 120e6, shear = 40e6}
 [friction_law]
 kind = "rate-and-state"
-a = "0.01 + 0.005 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))"
-b = 0.014
+a = "0.01 + 0.005 * """
+    + _TAPER
+    + """b = 0.014
 f0 = 0.6
 v0 = 1e-6
 distance = 0.4
 evolution = "slip"
 weakened = 0.2
-weakening_rate = '''
-0.1
-+ 0.45 * (1 - tanh(3e3 / min(abs(x) - 18e3, -1e-6) + 3e3 / max(abs(x) - 15e3, 1e-6)))'''
-[load]
-shear = "45e6 * exp(x**2 / min(x**2 - 9e6, -1e-3))"
-history = "exp((min(t, 1) - 1)**2 / min(min(t, 1) * (min(t, 1) - 2), -1e-12))"
-[run]
-end_time = 12.0
-nodes = 1440
-step_ratio = 0.35
-every = 20
-"""
+weakening_rate = "0.1 + 0.45 * """
+    + _TAPER
+    + """[load]
+shear = "45e6"""
+    + _NUCLEATION
+    + "end_time = 12.0\n"
     + _CRUST,
     "tpv205": '''
 summary = "SCEC TPV205 in two dimensions: slip weakening with patches of high and low shear"

@@ -111,6 +111,35 @@ TABLE = [
 ]
 
 
+def test_a_slot_is_the_same_beside_a_half_line_and_on_a_line():
+    """Both marches, their readings and their bodies, on nodes of one distance."""
+    scene, t = sf.find("ramp"), 0.9
+    beside = sf.solve(scene, nodes=100, end_time=1.0)
+    along = run(replace(scene, period=8.0), 1.0, nodes=400)
+    places = np.array([-0.4, 0.2, 0.5, 0.3]), np.array([0.2, 0.3, -0.25, -0.1])
+    for name in ("velocity", "stress", "displacement"):
+        one, other = (getattr(each, name)(*places, t) for each in (beside, along))
+        assert np.abs(one - other).max() < 1e-3 * np.abs(one).max(), name
+    one, other = (each.reading([0.1, 0.3, 0.6], t) for each in (beside, along))
+    measured = [(getattr(one, name), getattr(other, name)) for name in ("slip", "slip_rate", "gap")]
+    for first, second in [*measured, (one.arrivals["slip"], other.arrivals["slip"])]:
+        assert (np.abs(first.value - second.value) <= first.error + second.error).all()
+
+
+@pytest.mark.parametrize("load", [0.0, 0.05])
+def test_where_nothing_slips_the_bodies_carry_what_is_in_place(load):
+    """Without a load, and under one that friction bears."""
+    push = sf.InterfaceLoad(load, on="line")
+    still = sf.Scene(UPPER, 0.5, sf.Tractions(1.0, 0.3), push, contact=sf.Contact(), period=8.0)
+    done = sf.solve(still, end_time=1.0, nodes=64)
+    assert not done.velocity(0.3, 0.4, 0.5).any()
+    assert done.stress(0.3, 0.4, 0.5) == pytest.approx([0.0, -1.0, 0.3 + load])
+    reading = done.reading([0.1], 0.5)
+    assert (reading.slip.value, reading.slip.error) == (0.0, 0.0)
+    assert np.isinf(reading.arrivals["slip"].value)
+    assert done.field_error == 0.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "nodes", "known"), TABLE)
 def test_fields_are_as_exact_as_the_march(name, nodes, known):
