@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
@@ -172,7 +172,9 @@ class Profile:
     def strength_at_nodes(self) -> Array:
         """Strength f p at the nodes of all panels, (p, ..., n)."""
         if self.normal is None:
-            return self._strength_at(self.panels.at)
+            at, ahead = self.panels.at, self.panels.layout.ahead
+            # Tables differ ahead of the shear front and behind it.
+            return np.concatenate([self._strength_at(part) for part in (at[:ahead], at[ahead:])])
         pressure = -self.normal.traction_at_nodes
         pressure[self._open] = 0.0
         return np.asarray(self._load.friction * pressure)

@@ -14,13 +14,13 @@ the remainder; its sources are computed here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import traction_of
 

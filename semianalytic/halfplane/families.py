@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import (
     Array,
     CutPoints,
@@ -127,12 +128,16 @@ class _StuckFamily(StuckTraction):
         return self.series[1]
 
     def at(self, points: CutPoints) -> Array:
-        s, width = np.sqrt(np.maximum(points.from_b, 0.0)), 1 - self.factors.a
-        near = np.clip(points.from_a, 0.0, width)
-        behind = (s + 1) * _summed((s - 1) / (s + 1), self.series[1])
-        power = 1.5 if self.mode == "II" else 0.5
-        ahead = near**power * _summed(2 * near / width - 1, self.series[0])
-        return np.where(points.from_b > 0, behind, ahead)
+        behind, result = points.from_b > 0, np.zeros(points.v.shape)
+        if behind.any():
+            s = np.sqrt(np.maximum(points.from_b, 0.0))
+            result = (s + 1) * _summed((s - 1) / (s + 1), self.series[1])
+        if not behind.all():
+            width, power = 1 - self.factors.a, 1.5 if self.mode == "II" else 0.5
+            near = np.clip(points.from_a, 0.0, width)
+            ahead = near**power * _summed(2 * near / width - 1, self.series[0])
+            result = np.where(behind, result, ahead)
+        return np.asarray(result)
 
 
 @traction_of.register

@@ -7,13 +7,14 @@ cut k = -v + i0 nothing is a principal value: M_+(-v) is M over M_-(-v) = M_+(v)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.polynomials import chebyshev_series
 from semianalytic.scene.scene import Material
 

@@ -7,10 +7,11 @@ with an error that falls geometrically with the spacing.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array
 
 REACH = 1.5

@@ -27,7 +27,14 @@ from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
-from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, motion, over_slowness
+from semianalytic.selfsimilar.zones.motion import (
+    OpenZone,
+    SlipZone,
+    is_open,
+    motion,
+    over_slowness,
+    slip_zones,
+)
 from semianalytic.separation.opening import NormalFields
 
 if TYPE_CHECKING:  # imported where they are asked for, for a quick import
@@ -48,8 +55,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     Attributes
     ----------
     scene : Scene
-    zones : tuple of SlipZone
-        Slip zones, from the contact edge outward.
     status : str
         "converged", or a sentence that says what to distrust.
     error_estimate : float
@@ -89,7 +94,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     """
 
     scene: Scene
-    zones: tuple[SlipZone, ...]
     status: str
     error_estimate: float
     statistics: Statistics
@@ -108,6 +112,11 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
         """Evaluate a field over slowness, (m,) or (k, m), at x and t; it is 0 before t = 0."""
         return over_slowness(self.scene.material.shear_speed, x, t, field)
+
+    @cached_property
+    def zones(self) -> tuple[SlipZone, ...]:
+        """Slip zones, from the contact edge outward."""
+        return slip_zones(self.profile, self.scene.material)
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:

@@ -42,7 +42,6 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance
-from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.separation.opening import with_opening
 
 _log = logging.getLogger(__name__)
@@ -155,12 +154,11 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     )
     estimate += normal.error if normal else 0.0
     status = _status(best, estimate, wanted)
-    zones = slip_zones(best.profile, scene.material)
     _log.debug(
-        "solve: %s, %d zones, error estimate %.1e, %d Newton steps, %.3g s",
-        *(status, len(zones), estimate, best.steps, clock[-1] - clock[0]),
+        "solve: %s, error estimate %.1e, %d Newton steps, %.3g s",
+        *(status, estimate, best.steps, clock[-1] - clock[0]),
     )
-    return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
+    return Solution(scene, status, estimate, statistics, best.profile, stress, normal)
 
 
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
@@ -210,8 +208,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     )
     exceeded = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     status = "converged" if estimate <= rtol else exceeded
-    zones = slip_zones(profile, scene.material)
-    return Solution(scene, zones, status, estimate, statistics, profile, dry.stress_unit)
+    return Solution(scene, status, estimate, statistics, profile, dry.stress_unit)
 
 
 def _status(best: Trial, estimate: float, rtol: float) -> str:

@@ -198,28 +198,6 @@ def approached(
     return unknowns, inverse, left, step
 
 
-def _located(
-    sets: ZoneSets, start: Array, neighbours: Array, doubt: Array, rtol: float
-) -> tuple[Array, Array, Array, int]:
-    """Return unknowns (e, k) on the loose rule, inverse Jacobians, contractions (k,), and steps.
-
-    A contraction is infinite where they failed; predictions of little doubt then are of other
-    zones.
-    """
-    rule = rule_for(max(loose_tolerance(rtol), tuning.COARSEST))
-    unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
-    arrived = contraction < np.inf
-    # A prediction that is hardly in doubt and yet leads nowhere means that the zones have changed;
-    # full Newton steps would only confirm that.
-    misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
-    rest = np.flatnonzero(~misled & ~(arrived & (rtol >= 1e-5)))  # from 1e-5 on those steps suffice
-    if len(rest):
-        at_rest, inverse[rest], last, more = _newton(sets.chosen(rest), unknowns[:, rest], rule)
-        unknowns[:, rest], contraction[rest] = at_rest, 2 * last
-        steps += more
-    return unknowns, inverse, contraction, steps
-
-
 @dataclass(frozen=True)
 class _PolishedZones:
     """Sets of zones on a rule: indices, unknowns (e, k), bounds of their errors, their fields."""
@@ -307,10 +285,11 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     # Predictions that are all trusted are about as near to the edges as the loose rule would bring
     # them, and go straight to the fine one.
     if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
-        unknowns, inverse, left, steps = _located(sets, unknowns, inverse, doubt, rtol)
-        contraction = np.maximum(left, tuning.LEAST_CONTRACTION)
-        kept = np.flatnonzero(left < np.inf)
         loose = loose_tolerance(rtol)
+        coarse = rule_for(max(loose, tuning.COARSEST))
+        unknowns, inverse, last, steps = _newton(sets, unknowns, coarse)
+        contraction = np.maximum(2 * last, tuning.LEAST_CONTRACTION)
+        kept = np.flatnonzero(last < np.inf)
         # Rules so far apart need a chord step on one between them.
         if len(kept) and tolerances[kept].min() < 1e-2 * loose:
             # The geometric mean: one step there is cheaper than a second step on the finest rule.

@@ -28,7 +28,6 @@ from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance
-from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.selfsimilar.zones.tuning import FARTHEST, NUDGE
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, batches, continued, linearised
@@ -259,7 +258,7 @@ class Continuation:
         profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(0, steps, 1, len(known.unknowns), nodes, stages)
-        found = slip_zones(profile, scene.material), "converged", known.estimate, statistics
+        found = "converged", known.estimate, statistics
         self.solutions[i] = Solution(scene, *found, profile, stress)
 
     def _interpolate(self) -> None:

@@ -32,7 +32,6 @@ from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, shift_error
-from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import ZoneSets, continued
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
@@ -69,6 +68,7 @@ class Plane:
         each = [scaled_load(scenes[i]) for i in first]
         self.loads = [each[number] for number in own]
         self.unit = min(unit for _, unit in each)
+        self.load = common_load(scenes, self.unit)
         # Zones slip ahead of all waves only where friction is reached there.
         self.still = np.array([not load.far_slip_rate for load, _ in each])[own]
         self.critical = np.array([load.critical for load, _ in each])[own]
@@ -93,8 +93,8 @@ class Plane:
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
-        # The first has five points to a side, each further one twice as many spaces.
-        left, spaces = np.ones(len(self.scenes), dtype=bool), 4
+        # The first has three points to a side, each further one twice as many spaces.
+        left, spaces = np.ones(len(self.scenes), dtype=bool), 2
         everywhere = Neighbourhood(self.places)
         while (spaces + 1) ** 2 < len(self.scenes):
             side = np.linspace(0, 1, spaces + 1)
@@ -155,8 +155,7 @@ class Plane:
 
     def _sets(self, pattern: Pattern, which: np.ndarray) -> ZoneSets:
         """Return the sets of zones of some points, with their loads."""
-        load = common_load([self.scenes[i] for i in which], self.unit)
-        return ZoneSets(self._edges(pattern, which), load)
+        return ZoneSets(Edges(self.family, *pattern), self.load).chosen(which)
 
     def _batches(
         self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
@@ -280,8 +279,8 @@ class Plane:
             zones = tuple(zone.seen_by(itemgetter(j)) for zone in every)
             factors = self.factors[scene.material.poisson_ratio]
             profile = Profile(ZoneFields(factors, load, zones, rule))
-            moving = slip_zones(profile, scene.material), "converged", followed.estimate
-            self.solutions[i] = Solution(scene, *moving, statistics, profile, stress)
+            known = "converged", followed.estimate, statistics
+            self.solutions[i] = Solution(scene, *known, profile, stress)
 
 
 def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:

@@ -15,17 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Pairs
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints, from_front
 from semianalytic.halfplane.rules import Rule
 
-MANY_NODES = 100
-"""Nodes per panel from which it pays to leave some out."""
+MANY_NODES = 1.2e7
+"""Sets of zones times the cube of nodes per panel from which it pays to leave some nodes out."""
 
 
 class _Piece(NamedTuple):
@@ -129,7 +129,7 @@ class Panels:
         weights = self.rule.weights * weights
         # w - v is negative for sources ahead of their targets; distances are positive.
         weights[behind:] *= -1
-        if own.shape[-1] < MANY_NODES or not len(source):
+        if not len(source) or own[0].size * own.shape[-1] ** 2 < MANY_NODES:
             return _summed(weights, own, other)
         # From here on the nodes of both count outward from the end between them.
         for values, part in ((weights, slice(behind, None)), (own, slice(behind, None))):
