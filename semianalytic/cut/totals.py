@@ -44,7 +44,7 @@ def infinite_rates(profile: Profile) -> list[Power]:
     They occur under a film where the contact opens slowly (docs/rate.md, "A film that opens").
     """
     powers, is_open = profile.rate_integral.powers, profile.panels.layout.open
-    return [one for one in powers if not is_open[one.panel] and np.all(one.exponent < 0)]
+    return [power for power in powers if not is_open[power.panel] and np.all(power.exponent < 0)]
 
 
 def contact_integral(profile: Profile, weight: Array) -> float:

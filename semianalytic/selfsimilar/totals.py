@@ -121,7 +121,7 @@ class ContactTotals:
 def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
     """Return times and the ends of intervals of the contact, broadcast and checked."""
     t, inner, outer = np.broadcast_arrays(
-        finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
+        finite_times(t), *(np.asarray(values, dtype=float) for values in (inner, outer))
     )
     if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
         raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")

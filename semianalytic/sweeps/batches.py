@@ -297,7 +297,7 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     Edges whose error estimate exceeds rtol are computed on finer rules.
     """
     count, size = len(predictions), len(sets.edges.segments)
-    every = ([getattr(one, field.name) for one in predictions] for field in fields(Prediction))
+    every = ([getattr(start, field.name) for start in predictions] for field in fields(Prediction))
     unknowns, inverse, doubt, tolerances = map(np.array, every)
     unknowns = unknowns.T.reshape(size, count)
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)

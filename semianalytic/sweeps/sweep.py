@@ -247,7 +247,7 @@ def sweep(
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
         try:
-            given, ratio = (one.ravel() for one in np.broadcast_arrays(given, ratio))
+            given, ratio = (array.ravel() for array in np.broadcast_arrays(given, ratio))
         except ValueError:
             raise SceneError(
                 f"friction of the shape {given.shape} and Poisson ratios of the shape "
@@ -315,11 +315,11 @@ def _scenes(scene: Scene, points: Array) -> list[Scene]:
         for friction in (points[1].min(), points[1].max()):
             law = scene.law.with_coefficient(float(friction))
             checked = replace(scene, material=material, friction=law)
-        names = {*(one.name for one in fields(checked)), "_made_in_si"}
+        names = {*(field.name for field in fields(checked)), "_made_in_si"}
         parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
     coefficients = set(points[1].tolist())
-    laws = {one: checked_friction(scene.law.with_coefficient(one)) for one in coefficients}
+    laws = {value: checked_friction(scene.law.with_coefficient(value)) for value in coefficients}
     scenes = [object.__new__(Scene) for _ in range(points.shape[1])]
-    for one, ratio, friction in zip(scenes, *points.tolist(), strict=True):
-        vars(one).update(parts[ratio], friction=laws[friction])
+    for placed, ratio, friction in zip(scenes, *points.tolist(), strict=True):
+        vars(placed).update(parts[ratio], friction=laws[friction])
     return scenes

@@ -63,9 +63,9 @@ def finite_part(power: int, lag: int) -> tuple[Array, Array]:
     transform = 2 * np.cos(np.arange(_POINTS)[:, None] * angle) / _POINTS
     transform[0] /= 2
     both = (1 + np.cos(angle)) / 2, moments @ transform
-    for one in both:
+    for table in both:
         # The cache hands out the same arrays to all callers.
-        one.setflags(write=False)
+        table.setflags(write=False)
     return both
 
 
@@ -101,7 +101,9 @@ class GrowingZone:
     edge: float
 
     def __getstate__(self) -> dict[str, Any]:
-        return {one.name: getattr(self, one.name) for one in fields(self)}  # integrals are closures
+        return {
+            part.name: getattr(self, part.name) for part in fields(self)
+        }  # integrals are closures
 
     @cached_property
     def polynomial(self) -> Array:

@@ -149,7 +149,7 @@ class Panels:
             kept, pieces = self._pieces(sent, gap)  # the gap is between the near ends of both
             kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
             few = [weights[i, ..., kept], *(weights[i, ..., p.nodes] @ p.onto for p in pieces)]
-            away = [own[i, ..., kept], *(one.distances for one in pieces)]
+            away = [own[i, ..., kept], *(piece.distances for piece in pieces)]
             condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
             self._spread(target, gap, *condensed, other[i], result[i])
         result[:behind] = result[:behind, ..., ::-1].copy()

@@ -62,11 +62,11 @@ class MotionRecord:
             Slip rates at these, and opening rates if the line may open [length / time].
         """
         self._rows = self._rows or [[] for _ in rates]
-        for rows, one in zip(self._rows, rates, strict=True):
-            rows.append(((one[:-1] + one[1:]) * 0.5).astype(np.float32))
+        for rows, rate in zip(self._rows, rates, strict=True):
+            rows.append(((rate[:-1] + rate[1:]) * 0.5).astype(np.float32))
         self._t += times[1:]
         self._steps += [1] * (len(times) - 1)
-        width = sum(one.shape[1] for one in rates)
+        width = sum(columns.shape[1] for columns in rates)
         if len(self._steps) * width > MOST_VALUES:
             if sum(self._steps) / self._every * width > MOST_VALUES / 2:
                 self._every *= 2
@@ -99,8 +99,8 @@ class MotionRecord:
         ends = np.minimum(earlier.t[1:], time)
         count = int((earlier.t[:-1] < time).sum())
         self._t = [*earlier.t[:1].tolist(), *ends[:count].tolist()]
-        kept = [one for one in (earlier.slip, earlier.opening) if one.shape[1]]
-        self._rows = [[one[:count]] for one in kept]
+        kept = [values for values in (earlier.slip, earlier.opening) if values.shape[1]]
+        self._rows = [[values[:count]] for values in kept]
         self._every = 2 ** round(math.log2(max(steps / max(count, 1), 1)))
         self._steps = [self._every] * count
         if count:

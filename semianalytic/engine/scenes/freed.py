@@ -41,7 +41,7 @@ def bodies_beside_slot(marched: Any) -> MarchedBodies:
     opening = np.zeros((len(slip.slip), 0), np.float32)
     if scene.superposition.taken_off.pressure:
         opening = -_moved(marched, FreeFaces(marched, grid, "pressure", front)).slip
-    both = (np.concatenate([one[:, ::-1], one], axis=1) for one in (slip.slip, opening))
+    both = (np.concatenate([half[:, ::-1], half], axis=1) for half in (slip.slip, opening))
     motion, spacing = Motion(slip.t, *both), grid.spacing
     first, centre = (0.5 - grid.slot - grid.size) * spacing, -grid.slot * spacing
     edges = tuple(singular_edges(scene, motion, first, spacing))

@@ -292,7 +292,7 @@ class Marched(MarchedAnswer, SampledAnswer):
         slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
         """
         every = self._missed_zone, self._coarse_weakening, self._inaccurate
-        return tuple(one for one in every if one is not None)
+        return tuple(known for known in every if known is not None)
 
     @property
     def _inaccurate(self) -> Shortfall | None:
@@ -314,8 +314,8 @@ class Marched(MarchedAnswer, SampledAnswer):
         """A sentence that says why the grid is too coarse and what would do; "" if it is not."""
         if not self.shortfalls:
             return ""
-        reasons = "; ".join(one.reason for one in self.shortfalls)
-        times = rounded_up(max(one.times for one in self.shortfalls))
+        reasons = "; ".join(shortfall.reason for shortfall in self.shortfalls)
+        times = rounded_up(max(shortfall.times for shortfall in self.shortfalls))
         return f"{reasons}; raise `nodes` {times} times, or shorten `length` as much"
 
     @property

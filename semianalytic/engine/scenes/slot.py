@@ -49,7 +49,7 @@ class SlotLine(ClosedLine):
         touching = np.arange(nodes.size) >= nodes.slot
         self.balance = Balance(self.law, self.impedance, touching, self.grid, falls=True)
         # rates of units that are far from 1 would leave the range of single precision
-        sizes = [max(abs(one.pressure), abs(one.shear)) for one in scene.superposition]
+        sizes = [max(abs(load.pressure), abs(load.shear)) for load in scene.superposition]
         usual = SINGLE_RATES[0] < max(sizes) / self.impedance < SINGLE_RATES[1]
         double = 0 if nodes.size <= SINGLE_SIZE else nodes.size // 8
         double = double if usual else nodes.size
@@ -128,7 +128,7 @@ def spans_until(marched: Any) -> list[Span]:
     """
     # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
     at = {0.0, *marched.scene.jumps, marched.latest}
-    stops = sorted(one for one in at if marched.begins < one <= marched.latest)
+    stops = sorted(time for time in at if marched.begins < time <= marched.latest)
     longest = marched.step_ratio * marched.grid.spacing / marched.scene.material.shear_speed
     return [
         Span(begin, stop, (stop - begin) / (2 * max(1, math.ceil((stop - begin) / longest / 2))))

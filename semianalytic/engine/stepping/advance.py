@@ -171,7 +171,7 @@ def _one_by_one(
             both = [now, stepper.advance(now, stop)]
             now = both[1]
             stopped = asked(now.time)
-            times, rates = [one.time for one in both], np.array([one.rate for one in both])
+            times, rates = [march.time for march in both], np.array([march.rate for march in both])
             yield Taken(times, rates, both.__getitem__)
             if stopped:
                 return

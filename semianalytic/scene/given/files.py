@@ -105,9 +105,9 @@ def with_units(document: Mapping[str, Any]) -> dict[str, Any]:
         nonlocal found
         # tractions that grow, and forces at a point, are of other dimensions
         if isinstance(value, Mapping) and value.get("kind") not in ("growing", "point-force"):
-            return {own: converted(f"{name}.{own}", own, one) for own, one in value.items()}
+            return {own: converted(f"{name}.{own}", own, item) for own, item in value.items()}
         if isinstance(value, list) and key not in ("x", "values"):
-            return [converted(name, key, one) for one in value]
+            return [converted(name, key, item) for item in value]
         if not isinstance(value, str) or not _WITH_UNIT.fullmatch(value) or key not in known:
             return value
         try:
