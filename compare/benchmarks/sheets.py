@@ -160,7 +160,7 @@ def sheets() -> Mapping[str, Sheet]:
     found = {}
     for name, given in described.items():
         values: dict[str, Any] = {
-            key: tuple(one) if isinstance(one, list) else one for key, one in given.items()
+            key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
         }
         bounds = classes.get(name, {}).items()
         values["classes"] = {quantity: tuple(row) for quantity, row in bounds}

@@ -46,7 +46,7 @@ below it."""
 
 def _dimensions(parameters: Mapping[str, Any]) -> Dimensions:
     """Return the dimensions of the parameters that have one."""
-    return {name: one.dimension for name, one in parameters.items() if one.dimension}
+    return {name: entry.dimension for name, entry in parameters.items() if entry.dimension}
 
 
 def _dimensions_of(field: str) -> Callable[[Scene], Dimensions]:

@@ -260,7 +260,7 @@ def choose_mesh(
         resolution, reason = _chosen(features + bars, least, affordable, spend=budget is not None)
     prices.checked(resolution)  # raises if a given one cannot be simulated
     bare = replace(prices, snapshots=False)
-    unresolved = tuple(bare.unseen(one) for one in features if one.resolution > resolution)
+    unresolved = tuple(bare.unseen(part) for part in features if part.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
     seconds, taken = prices.here(resolution)
     seconds += prices.pace * prices.comparing(resolution)

@@ -173,7 +173,7 @@ class HasRows(Generic[AnyRow]):
     rows: tuple[AnyRow, ...]
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{count} {one}" for one, count in self.counts.items() if count)
+        found = ", ".join(f"{count} {verdict}" for verdict, count in self.counts.items() if count)
         return f"<{type(self).__name__}: {self.said}; rows: {found}>"
 
     def having(self, verdict: str) -> tuple[AnyRow, ...]:

@@ -129,7 +129,7 @@ def fronts_figure(
     )
     for parts, words, line in lines:
         ends = (edge for part in parts for edge in (part.inner, part.outer))
-        for edge in (one for one in ends if 0 < one < np.inf):
+        for edge in (end for end in ends if 0 < end < np.inf):
             panel.plot(
                 [0, edge / speed],
                 [0, 1],

@@ -112,8 +112,8 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 def _lines(figure: Figure) -> Iterator[Line2D]:
     """Yield the curves of a figure and those of its legends."""
-    legends = [*figure.legends, *(one for p in figure.axes if (one := p.get_legend()) is not None)]
-    yield from chain(*(panel.lines for panel in figure.axes), *(one.get_lines() for one in legends))
+    legends = [*figure.legends, *(key for p in figure.axes if (key := p.get_legend()) is not None)]
+    yield from chain(*(panel.lines for panel in figure.axes), *(key.get_lines() for key in legends))
 
 
 def cycle() -> list[str]:
@@ -135,7 +135,7 @@ def shade(kind: str) -> str:
 def _mixed(colour: str, part: float) -> str:
     """Mix a colour into that of the background; `part` is the share of the colour."""
     pairs = zip(to_rgb(colour), to_rgb(rcParams["axes.facecolor"]), strict=True)
-    red, green, blue = (part * one + (1 - part) * ground for one, ground in pairs)
+    red, green, blue = (part * value + (1 - part) * ground for value, ground in pairs)
     return to_hex((red, green, blue))
 
 
@@ -158,7 +158,7 @@ def scene_words(scene: Scene) -> str:
     if scene.on_line:  # whose friction and tractions may vary along it
         return scene_title(scene)
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
-    numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
+    numbers = [f"{name} {value:.3g}" for name, value in law.items() if isinstance(value, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
     mode = "antiplane shear,  " if scene.antiplane else ""
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""

@@ -122,7 +122,7 @@ def field_errors(
     coarser = companion_frames(simulation, folder)
     meshes = [
         (size, frame),
-        *((cell, _undisturbed(simulation, one, cell)) for cell, one in coarser),
+        *((cell, _undisturbed(simulation, coarse, cell)) for cell, coarse in coarser),
     ]
     width = BAND * max(cell for cell, _ in meshes)
 

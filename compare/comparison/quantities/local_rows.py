@@ -70,7 +70,7 @@ def _worst(
 ) -> tuple[tuple[int, int], tuple[float, float, float]]:
     unit = case.unit(name)[0]
     seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
-    predicted, simulated = (getattr(one, name) / unit for one in (case.at_nodes, seen))
+    predicted, simulated = (getattr(history, name) / unit for history in (case.at_nodes, seen))
     x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
     change = np.abs(interpolated(middle, name, x, t) - interpolated(coarse, name, x, t)) / unit
     change += _driven(case, name)

@@ -186,7 +186,7 @@ def _unseen_between(case: Case) -> tuple[Array, Array]:
     fields = ("t", "slip", "slip_rate", "shear_traction", "pressure", "gap")
     fewer = replace(history, **{name: getattr(history, name)[kept] for name in fields})
     path, work = (
-        np.abs(one - other) for one, other in zip(worn(history), worn(fewer), strict=True)
+        np.abs(fine - other) for fine, other in zip(worn(history), worn(fewer), strict=True)
     )
     return path, work
 
@@ -204,7 +204,7 @@ def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:
         *case.prediction.zones_at(end),
         *case.prediction.openings_at(end),
     ]
-    for part in sorted(parts, key=lambda one: one.start):
+    for part in sorted(parts, key=lambda part: part.start):
         if part.start <= (1 + ROUNDING) * width < UNSEEN * case.simulation.element_size:
             width = part.end
     moved = 0.0
