@@ -77,7 +77,7 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    own = [(name, one.scene, one.summary) for name, one in NAMED_SCENES.items()]
+    own = [(name, named.scene, named.summary) for name, named in NAMED_SCENES.items()]
     lines = NAMED_LINES.items()
     own += [(name, find(name), tomllib.loads(text)["summary"]) for name, text in lines]
     for name, scene, summary in own:
