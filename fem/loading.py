@@ -106,7 +106,8 @@ class SceneTractions:
         """Return the means of both f(t - p x) over a kick and the places (k, n) of each node."""
         start, end = _kick(level, self.step)
         shear, pressure = (
-            np.asarray(one.mean(start - delay, end - delay).mean(axis=1)) for one in self.histories
+            np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
+            for history in self.histories
         )
         return shear, pressure
 
@@ -146,5 +147,5 @@ def arrived_wave(scene: Scene, x: Array, y: Array, t: float) -> Arrived | None:
     return Arrived(
         along * history.pieces.integral(lag),
         along * value,
-        {name: one * value for name, one in wave.stresses(solid).items()},
+        {name: stress * value for name, stress in wave.stresses(solid).items()},
     )

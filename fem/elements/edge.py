@@ -65,7 +65,7 @@ def edge_offset(materials: Iterable[Material], held: int = 1) -> float:
 @lru_cache(maxsize=32)
 def _offset(material: Material, held: int) -> float:
     ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
-    components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)
+    components = next(pair for pair in (IN_PLANE, OUT_OF_PLANE) if held in pair)
     own = components.index(held)
     # the other component is free: one over its compliance
     stiffness = surface_stiffness(material, ANGLES, components)
