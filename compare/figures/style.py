@@ -22,7 +22,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
-from semianalytic.results.plotting import scene_title
+from semianalytic.results import plotting
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import REMOTE
@@ -54,12 +54,7 @@ REGIME_COLOURS = {
     "failed": BLACK,
 }
 """Colours of regimes of slip (`semianalytic.regimes.regime`) in maps."""
-SHADES = {
-    "slip": (SKY, 0.3),
-    "stick": ("", 0.06),
-    "reverse slip": (VERMILLION, 0.18),
-    "open": (YELLOW, 0.45),
-}
+SHADES = {**plotting.SHADES, "stick": ("", 0.06)}
 """Shades of zones behind curves: a colour ("" for that of text) and its share in the mixture."""
 
 SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()} | {
@@ -156,7 +151,7 @@ def scene_words(scene: Scene) -> str:
     with their sizes in SI scenes.
     """
     if scene.on_line:  # whose friction and tractions may vary along it
-        return scene_title(scene)
+        return plotting.scene_title(scene)
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
     numbers = [f"{name} {value:.3g}" for name, value in law.items() if isinstance(value, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""

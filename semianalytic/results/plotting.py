@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.results.files import new_file
+from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.units import SI
@@ -26,6 +27,10 @@ _SHOWN = {
 }
 """Units of figures of SI scenes: the largest of which there are two or more is drawn."""
 _TRACTIONS = ("pressure", "shear")
+SHADES = {"slip": ("#56B4E9", 0.3), "reverse slip": ("#D55E00", 0.18), "open": ("#F0E442", 0.45)}
+"""Colours behind curves by what the contact does, and their shares in the mixture."""
+_LARGE = 10.0
+"""Ratio of pressure to shear traction above which the pressure is not drawn with it."""
 _APART = 0.06
 """Distance over the width of a figure below which waves share one label."""
 
@@ -135,7 +140,7 @@ def scene_title(scene: Any) -> str:
             words.append(f"{of} {what} {_with_unit(value, pascal) if number else 'varies'}")
     words += [] if plain else [_kind_of(load)]
     histories = (
-        {type(history).__name__ for history in scene.acting_histories.values()} if plain else set()
+        {type(past).__name__ for past in scene.acting_histories.values()} if plain else set()
     )
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
@@ -255,19 +260,27 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
         upper.set_ylim(min(low, 0.0) - margin, max(high, 0.0) + margin)
     upper.set_ylabel("slip rate" + " [m/s]" * (scene.units == SI))
     upper.set_title(f"t = {end * time[0]:.4g} {time[1]}".removesuffix(" time"), loc="left")
-    for part in opened:
-        for panel in panels:
-            span = (part.start * length[0], min(part.end, reach) * length[0])
-            panel.axvspan(*span, color="0.85", label="open" if part is opened[0] else None)
+    kinds = [(kind_of_slip(part.sense), part) for part in answer.zones_at(end)]
+    moving = [*kinds, *(("open", part) for part in opened)]
+    for number, (kind, part) in enumerate(moving):
+        span = (part.start * length[0], min(part.end, reach) * length[0])
+        label = None if kind in (before for before, _ in moving[:number]) else kind
+        for panel, said in zip(panels, (label, None), strict=False):
+            colour, share = SHADES[kind]
+            panel.axvspan(*span, color=colour, alpha=share, linewidth=0, zorder=0, label=said)
+    if moving:
+        upper.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False)
     if len(panels) == 2:
-        for name in reversed(_TRACTIONS):
-            values = stress[0] * getattr(answer, name.replace("shear", "shear_traction"))(x, end)
-            panels[1].plot(x * length[0], values, label=name.replace("shear", "shear traction"))
-            if name == "shear":
-                signs = {float(np.sign(value)) for value in (values.min(), values.max()) if value}
+        of = answer.shear_traction, answer.pressure
+        shear, pressure = (stress[0] * field(x, end) for field in of)
+        panels[1].plot(x * length[0], shear, label="shear traction")
+        largest = np.nanmax(np.abs(shear), initial=0.0)
+        if largest == 0 or np.nanmax(pressure) < _LARGE * largest:
+            panels[1].plot(x * length[0], pressure, label="pressure")
         if isinstance(getattr(scene, "friction", None), float):
+            signs = {float(np.sign(value)) for value in (shear.min(), shear.max()) if value}
             for sign in signs:  # friction bounds the shear traction on the sides that it is on
-                bound = sign * scene.friction * values
+                bound = sign * scene.friction * pressure
                 label = "strength f p" if sign == max(signs) else None
                 panels[1].plot(x * length[0], bound, ":", color="0.3", label=label)
         panels[1].set_ylabel(_labelled("traction", stress[1]))
@@ -283,7 +296,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     panels[-1].set_xlabel(_labelled("x", length[1]))
     for panel, set_before in zip(panels, limits[1] if limits else (), strict=False):
         panel.set_ylim(set_before)
-    return (start, reach), [axes.get_ylim() for axes in panels]
+    return (start, reach), [panel.get_ylim() for panel in panels]
 
 
 def _waves(answer: Any) -> dict[str, float]:

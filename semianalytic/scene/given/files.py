@@ -13,7 +13,6 @@ from typing import Any
 from semianalytic.scene.checks import check_keys
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
-from semianalytic.scene.given.lines import NAMED_LINES
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
@@ -69,11 +68,6 @@ def read_scene(path: str | Path) -> Scene:
         range; the message names file and key.
     """
     return scene_of_file(read_document(path), path)
-
-
-def named_line(name: str) -> Scene:
-    """Return the scene on a line of a name in `NAMED_LINES`."""
-    return scene_of_file(tomllib.loads(NAMED_LINES[name]), name)
 
 
 def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
