@@ -19,7 +19,7 @@ from semianalytic.scene.material import Material
 RATE_WINDOW = 2.8
 """Elements that a shear wave crosses in the time over which slip rates are averaged.  The surface
 of a mesh rings with about that period; the error of averaged slip rates is half of that of single
-steps (docs/fem.md)."""
+steps."""
 
 
 def half_window(size: float, speed: float, step: float) -> int:

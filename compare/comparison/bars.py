@@ -8,7 +8,7 @@ first change is taken to be small by chance, and a part of the second one replac
 a sequence that does not converge is `RANGE` times the range that it covers.
 
 The constants were measured on 160 drawn scenes, 50 of maps around two named ones and 24 named ones,
-then on 206 more at the mesh of the command; none is among those of the trial (docs/judge.md).
+then on 206 more at the mesh of the command; none is among those of the trial.
 """
 
 from __future__ import annotations

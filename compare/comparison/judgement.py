@@ -94,7 +94,7 @@ def judge(
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
-    The prediction may be of another scene; the judge is tested in this way (docs/judge.md).
+    The prediction may be of another scene; the judge is tested in this way.
 
     Parameters
     ----------

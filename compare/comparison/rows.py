@@ -24,8 +24,8 @@ WIDE = 0.1
 ALARM = 1.4
 """Number of error bars beyond which a row differs.  Of the rows of right answers to 500 scenes that
 meshes can decide, none lay between 1.31 and 1.83 bars; the one beyond and `auxetic`, at 1.42, had
-bars that were too narrow and are mended (docs/judge.md).  Half of this value would condemn right
-answers; with twice its value a mistake of 2.5 bars would be missed more often than not."""
+bars that were too narrow and are mended.  Half of this value would condemn right answers; with
+twice its value a mistake of 2.5 bars would be missed more often than not."""
 
 
 BEYOND = "it is beyond its error bar, but "
@@ -209,7 +209,7 @@ class HasRows(Generic[AnyRow]):
         if self.having(DIFFERS):
             return DIFFERS
         deciding = [row for row in self.rows if row.kind in self.basis]
-        # the pressure of a right simulation converges: it did in all 500 scenes of docs/judge.md
+        # the pressure of a right simulation converges: it did in all 500 scenes drawn
         pressed = [row for row in self.rows if row.kind == "pressure"]
         if not all(row.converges for row in (*deciding, *pressed)):
             return UNRESOLVED

@@ -13,8 +13,7 @@ their logarithm.  In all
 
     x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
 
-In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3), which makes that -sqrt(2/3)/4
-(docs/antiplane.md).
+In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3), which makes that -sqrt(2/3)/4.
 
 So node 0 is laid at minus that, which puts the edge at x = 0.  Where tractions are given on both
 sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see

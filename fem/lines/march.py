@@ -144,9 +144,9 @@ def simulate_line(
 ) -> LineSimulation:
     """Simulate a periodic interface with finite elements and central differences.
 
-    Contact and friction hold exactly at every pair of nodes and every step, without a penalty
-    (docs/fem.md).  The blocks are so deep that nothing comes back from their far sides, or absorb
-    what comes there where one is far stiffer than the other.  Each block has its own damping.
+    Contact and friction hold exactly at every pair of nodes and every step, without a penalty.  The
+    blocks are so deep that nothing comes back from their far sides, or absorb what comes there
+    where one is far stiffer than the other.  Each block has its own damping.
 
     Parameters
     ----------

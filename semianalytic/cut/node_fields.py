@@ -1,7 +1,7 @@
 """Fields at the nodes of panels, and their differences between neighbouring sets of zones.
 
 Nodes move with the edges of the zones. At a node fields are analytic in a parameter, whatever their
-powers at the edges, and can be differenced there (docs/derivatives.md, "Fields").
+powers at the edges, and can be differenced there.
 """
 
 from __future__ import annotations

@@ -271,7 +271,7 @@ class ZoneFields(ZoneSlopes):
 
         For each zone it is the traction less sense times strength where the zone opens (divided by
         the width of the stick gap ahead of it if that is narrow), and the slip rate that is left
-        where it heals. See docs/theory.md, "Where the edges are".
+        where it heals.
         """
         load, layout = self.load, self.layout
         integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)

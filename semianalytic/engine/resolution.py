@@ -1,13 +1,12 @@
 """The resolution of a march: turns of its loads, the slip zone at the edge, and slip weakening.
 
 A grid of node distance h follows events that last longer than some steps of h / (2 c_t), whatever
-the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "Resolution of
-the grid"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
-largest value within four such steps: a wave then has 16 of them in a period, a triangle lasts 13,
-a rectangle 4.  Within one step a load may turn by 0.08; otherwise short pulses on top of longer
-ones would be lost.  A slip zone of a few nodes is seen badly, and one shorter than the distance of
-the first node from the edge is not seen at all.  Slip weakening has a length of its own, that of
-its process zone.
+the time step.  Measured on waves and pulses of every shape, frictional work is off by 1 to 3 %
+where a load turns by no more than 0.32 of its largest value within four such steps: a wave then has
+16 of them in a period, a triangle lasts 13, a rectangle 4.  Within one step a load may turn by
+0.08; otherwise short pulses on top of longer ones would be lost.  A slip zone of a few nodes is
+seen badly, and one shorter than the distance of the first node from the edge is not seen at all.
+Slip weakening has a length of its own, that of its process zone.
 """
 
 from __future__ import annotations

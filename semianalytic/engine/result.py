@@ -284,8 +284,7 @@ class Run(LineAnswer):
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
         of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
-        over three nodes, they are off by 0.5 to 2 % from the second node on (docs/engine.md,
-        "Tractions near a stuck edge").
+        over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
         ----------

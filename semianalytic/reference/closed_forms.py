@@ -2,7 +2,7 @@
 
 Each is a quadrature of elementary functions and S_+ (3.12), (4.20); none uses the panels, the
 collocation grid or Newton's method.  Slip rates are relative, upper minus lower side, and positive
-towards +x; velocities are x/t.  See docs/theory.md, "Closed forms".
+towards +x; velocities are x/t.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Edges and gap rates of a contact that opens under a step of pressure, by quadrature.
 
 Like `closed_forms` they use neither the panels nor Newton's method for zone edges.  P, the
-transform of the change of pressure, is M_+ over square roots at the edges, times what its
-behaviour at infinity leaves open (docs/separation.md).  Gap rates are relative, upper minus lower
-side, opening positive; velocities are x/t.
+transform of the change of pressure, is M_+ over square roots at the edges, times what its behaviour
+at infinity leaves open.  Gap rates are relative, upper minus lower side, opening positive;
+velocities are x/t.
 """
 
 from __future__ import annotations

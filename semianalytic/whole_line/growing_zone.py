@@ -1,7 +1,7 @@
 """One zone of slip from a contact edge under a load and a strength that grow as t^n.
 
 Units: slowness b, impedance mu b, stress and time such that Q_0 = 1.  The n-th time derivatives of
-all fields, over n!, depend on x/t alone (docs/whole_line.md, "Loads that grow"):
+all fields, over n!, depend on x/t alone:
 
     T(k) = M_+(k) (u_s + k)^(-n - 1/2) Pi_n(k),  W = -T / M,  T(0) = Q_0,
 

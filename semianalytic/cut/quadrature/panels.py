@@ -3,7 +3,7 @@
 On each panel v = left + width / (1 + rho exp(-y)), or left + rho exp(y) on an unbounded last one,
 and functions live on a uniform grid in y. Whatever power or logarithm a field has at a panel end,
 it is analytic in a strip |Im y| < pi. The trapezoidal rule and sinc interpolation therefore
-converge geometrically in the spacing, uniformly down to the ends (docs/solver.md, "Quadrature").
+converge geometrically in the spacing, uniformly down to the ends.
 
 `lay_panels` constructs the panels of a set of zones.
 

@@ -278,8 +278,8 @@ class MarchedBodies:
 class MarchedAnswer(AnswerInBodies):
     """A march, whose companion on half the nodes indicates its errors.
 
-    Fields in the bodies follow from slip and opening of the whole line (docs/spacetime.md, "Fields
-    in the bodies").  Points of one depth, or of one time, share most of the work.
+    Fields in the bodies follow from slip and opening of the whole line.  Points of one depth, or of
+    one time, share most of the work.
     """
 
     if TYPE_CHECKING:  # what the classes have that inherit from this one

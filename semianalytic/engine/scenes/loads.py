@@ -1,8 +1,8 @@
 """Loads at the nodes of a grid: pressure under any history, and fronts that move over the nodes.
 
 Slip between identical bodies does not change the pressure, so that of the stuck interface holds,
-(3.10) and (3.20) (docs/theory.md, "Stuck tractions").  Under a load that comes everywhere at once
-it is evaluated (`GridPressure`), under a front that moves it is marched (`FrontPressure`).
+(3.10) and (3.20).  Under a load that comes everywhere at once it is evaluated (`GridPressure`),
+under a front that moves it is marched (`FrontPressure`).
 """
 
 from __future__ import annotations
@@ -87,8 +87,8 @@ class GridPressure:
         self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
-        # The grid sees the inverse square root as if its first node were 0.310 h from the edge
-        # (docs/theory.md, "The edge on a grid"); the pressure has to be seen in the same way.
+        # The grid sees the inverse square root as if its first node were 0.310 h from the edge,
+        # and has to take the pressure in the same way.
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed

@@ -4,7 +4,7 @@ The grid is long enough that no wave from x = 0 returns from a mirror at its end
 length before the latest time.  Jumps of the loads fall on time levels; between them a level takes
 the load at its time, or the exact mean over a step that holds several samples of a table.  Loads
 that turn faster than the grid can follow are refused (`resolution`).  The steps are those of
-`stepping.blocks`; see docs/spacetime.md, "Method".
+`stepping.blocks`.
 """
 
 from __future__ import annotations
@@ -240,7 +240,6 @@ def march(
     check_size(scene, latest, length, nodes or least, memory, companion, entry)
     count, coarser = plan.enough_nodes(scene, end_time, length, nodes, least, options), None
     while True:
-        # See docs/spacetime.md, "Error of a march".
         marched, most = computed(count), plan.MOST_NODES
         done = rtol is None or marched.end_time < end_time
         tried = Tried(count, marched.departure.share)

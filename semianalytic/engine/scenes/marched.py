@@ -210,10 +210,10 @@ class Marched(MarchedAnswer, SampledAnswer):
         """Estimate of the relative L1 error of the slip rate, meant as a bound.
 
         It estimates the integral of |error| over the observed contact and all time until the end,
-        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or
-        less if a higher than the first `order` was seen.  It is nan without a companion, and inf
-        where nothing slips though the edge must.  Under rate weakening no grid is fine enough, and
-        it is no bound (docs/spacetime.md, "Friction laws").
+        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or less
+        if a higher than the first `order` was seen.  It is nan without a companion, and inf where
+        nothing slips though the edge must.  Under rate weakening no grid is fine enough, and it is
+        no bound.
         """
         if self.companion is None:
             return math.nan

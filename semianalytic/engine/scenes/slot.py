@@ -94,7 +94,7 @@ class SlotLine(ClosedLine):
         """Return the history of the shear load at the ends of steps, (k,); before it at a jump.
 
         Where several breaks of the history lie within the step around an end, it is the exact mean
-        over that step (docs/spacetime.md, "Resolution of the grid").
+        over that step.
         """
         history = self.scene.shear_history
         values, breaks, half = history.value(ends), np.array(history.pieces.breaks), steps / 2

@@ -123,7 +123,7 @@ class EqualSteps:
     """The march of a closed contact in equal steps, under a law that sticks.
 
     Slip rate is linear in time over a step; the contribution of its end value to the memory is
-    iterated in sweeps (docs/engine.md, "Method").
+    iterated in sweeps.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tuning constants of the engine, each with the measurement that set it (docs/engine.md)."""
+"""Tuning constants of the engine, each with the measurement that set it."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Zone edges as unknowns, and the mismatch of the conditions at them.
 
-See docs/theory.md, "Where the edges are".
+The traction reaches s f p at an edge where slip begins; slip rate vanishes where it ends.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Estimate the error of a solution: two rules compared, remaining shifts, and missed slip.
-
-See docs/solver.md, "Accuracy and cost".
-"""
+"""Estimate the error of a solution: two rules compared, remaining shifts, and missed slip."""
 
 from __future__ import annotations
 
