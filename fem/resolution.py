@@ -74,7 +74,7 @@ def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
         if needed is None:
             raise SceneError(
                 f"simulate: the {name} history turns back within no time at all; smooth it, or "
-                "take out samples that lie beside each other (docs/limits.md)."
+                "take out samples that lie close together (docs/limits.md)."
             )
         raise SceneError(
             f"simulate: the {name} history turns back faster than this mesh can follow; raise "

@@ -40,8 +40,8 @@ if TYPE_CHECKING:  # a solution is printed without what marches
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 Dimensions = Mapping[str, Any]
-"""Dimension of each number of a document, under the same names; a single one holds for all numbers
-below it."""
+"""Dimension of each number of a document, under the same names; a single one applies to all
+numbers below it."""
 
 
 def _dimensions(parameters: Mapping[str, Any]) -> Dimensions:

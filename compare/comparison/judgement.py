@@ -43,7 +43,7 @@ class Judgement(HasRows[Row]):
         Prediction and simulation, side by side.
     rows : tuple of Row
     fields : FieldErrors or None
-        Errors of the field snapshots against the prediction; `rows` holds those of the last one.
+        Errors of the field snapshots against the prediction; `rows` has those of the last one.
     """
 
     case: Case

@@ -25,7 +25,7 @@ SAME_SHAPE = 1e-12
 
 @dataclass(frozen=True)
 class Shapes:
-    """Elements grouped by shape: integrals over one element hold for all of its shape.
+    """Elements grouped by shape: integrals over one element are those of all of its shape.
 
     Attributes
     ----------

@@ -45,8 +45,8 @@ def hidden_openings(
     """Return the areas of openings that no node shows, and the forces of which they relieve slip.
 
     A singular tension opens an edge as far as the pressure that is left there lets it, like slip
-    against its strength [length^2, stress length].  Of the slip that a force at an edge causes half
-    is on the slot: half the force is returned.
+    against its strength [length^2, stress length].  Half of the slip that a force at an edge
+    causes is on the slot: half the force is returned.
 
     Parameters
     ----------

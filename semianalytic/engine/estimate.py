@@ -117,7 +117,7 @@ def estimated(
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
         needed = in_fours(scene.period * 4.0 / zone)
         status = (
-            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
+            f"unresolved: the contact slips next to an edge over about {zone:.2g}, which nodes "
             f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
         )
     if status == "done" and errors[name] > largest:
@@ -149,7 +149,7 @@ def unresolved(
     and rate; `needed` are the nodes that histories of loads need."""
     nodes = stepper.grid.nodes
     if nodes < 0.999 * needed:
-        remedy = "smooth it or the samples that lie beside each other"
+        remedy = "smooth it or the samples that lie close together"
         if needed < math.inf:
             remedy = f"use {in_fours(needed)} nodes or more, or smooth it"
         return f"unresolved: the history of a load turns faster than {nodes} nodes follow; {remedy}"

@@ -49,7 +49,7 @@ def nodes_for_loads(
         if needed == math.inf:
             raise SceneError(
                 f"march: the {name} history turns back within no time at all; "
-                "smooth it, or take out samples that lie beside each other (docs/limits.md)."
+                "smooth it, or take out samples that lie close together (docs/limits.md)."
             )
         if needed > nodes * (1 + 1e-12):
             nodes, reason = math.ceil(needed), name
@@ -107,7 +107,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     slips = excess > 1e-9 * scale  # rounding
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
-    # Without strength beside the edge nothing bounds the zone but the waves.
+    # Without strength at the edge nothing bounds the zone but the waves.
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
     return float(np.minimum(zone, scene.fastest_speed * times).max())
 

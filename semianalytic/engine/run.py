@@ -70,7 +70,7 @@ def run(
         of loads and the narrowest contact or slot need, and up to twice as many, so that ends of
         contacts lie midway between nodes or close to it.  The grid is moved to have them there
         (`Run.shift`) unless the interface is even; what it displaces still counts as error, and
-        `Run.caution` tells it.
+        `Run.caution` says it.
     rtol : float, optional
         Wanted relative error of slip and gap; more nodes are taken, as many as the order of
         convergence asks for, until the estimates are below it, up to 16,384.
@@ -157,7 +157,7 @@ def run(
     needed = max(histories, nodes_for_contact(scene))
     if nodes is None:
         least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
-        # the run with half the nodes, which tells the error, needs ends that fit as well
+        # the run with half the nodes, which estimates the error, needs ends that fit as well
         nodes = min(fitting_nodes(scene, least, 1), MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)

@@ -188,8 +188,8 @@ def approached(
         waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
         previous[waiting] = largest[kept]
-        # The next move is expected to be shorter by `share` again; the first one has no predecessor
-        # that could tell.
+        # The next move is expected to be shorter by `share` again; the first one has no
+        # predecessor.
         arrived = largest[kept] * share < tuning.NEAR if step > 1 else largest[kept] < tuning.NEAR
         left[waiting[arrived]] = share[arrived]
         waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]

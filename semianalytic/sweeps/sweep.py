@@ -307,7 +307,7 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
 def _scenes(scene: Scene, points: Array) -> list[Scene]:
     """Return a scene at Poisson ratios and frictions (2, n).
 
-    What holds for the least and the largest friction holds between them: these alone are checked.
+    A condition on the least and the largest friction suffices: these alone are checked.
     """
     parts: dict[float, dict[str, Any]] = {}
     for ratio in set(points[0].tolist()):

@@ -137,7 +137,7 @@ class LineCase(Case):
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
-        tractions, which can be singular, only those beyond some elements beside slots."""
+        tractions, which can be singular, only those some elements away from slots."""
         elements = EDGE_CELLS if UNITS[name] == "stress" else 0.5
         width = (elements + 0.25) * self.simulation.element_size
         return ~self._beside_slots(self.runs[number].interface.x, width)

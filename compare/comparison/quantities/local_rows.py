@@ -25,8 +25,8 @@ BAND = 2
 length is the same on all meshes."""
 LOCAL = 1.0
 """Error that the mesh of h may have at a place, over the largest change from 4h to 2h within a band
-around it.  Of all places of 204 scenes, none was off by more than 1.5 times this and `LOCAL_FLOOR`;
-with half of it, 11 scenes would have had one."""
+around it.  Among all places of 204 scenes none was off by more than 1.5 times this and
+`LOCAL_FLOOR`; with half of it, 11 scenes would have had one."""
 LOCAL_FLOOR = 1e-3
 """Least uncertainty everywhere, over the largest value of the field, measured likewise."""
 ASIDE = 0.25

@@ -3,9 +3,9 @@
 The bodies are driven by slip rate and opening rate of the whole line, slots included.  Both are
 bounded where tractions are singular, and hold all loads of slots.  One Fourier transform along x
 and one in time, at frequencies s = eta + i omega (the exponential window), give the waves that the
-faces send (`transfer`); sums over them are the fields (`spectrum`).  What acts on the line without
-moving its faces against each other is added: base, tractions that come from afar, and the plane
-wave of an incident load.
+faces send (`transfer`); sums over them are the fields (`spectrum`).  Actions
+that do not move its faces against each other are added: base, tractions that come from afar, and
+the plane wave of an incident load.
 """
 
 from __future__ import annotations

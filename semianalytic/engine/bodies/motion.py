@@ -149,7 +149,7 @@ class Levels:
     def means(self, t: Array, rates: Any) -> Array:
         """Return mean rates (count, n) between these times, given those between others.
 
-        What has moved until a time is interpolated by cubic polynomials through the times given.
+        The motion until a time is interpolated by cubic polynomials through the times given.
         """
         at: Array = np.asarray(self.start + self.step * np.arange(self.count + 1))
         # where steps are even, levels are those of the march
@@ -202,7 +202,7 @@ class Levels:
 def _resampled(t: Array, rates: Any, at: Array) -> Array:
     """Return what moves between times `at` (k,), (k - 1, n), given mean rates between times t.
 
-    What has moved until a time is interpolated by cubic polynomials, and goes on beyond the last.
+    The motion until a time is interpolated by cubic polynomials, and goes on beyond the last.
     """
     lengths = np.diff(t)[:, None]
     beyond, at = np.maximum(at - t[-1], 0.0)[:, None], np.minimum(at, t[-1])

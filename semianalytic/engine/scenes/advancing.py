@@ -70,7 +70,7 @@ def advance(
     finest, spans = min(span.step for span in whole), spans_to(whole, marched.end_time, end_time)
     if not spans:  # the end has been reached but for rounding
         return marched
-    # `every` is chosen before the first step, from all memory that the march will hold at once.
+    # `every` is chosen before the first step, from all memory that the march will need at once.
     every = affordable_every(marched, memory, spans, finest)
     walk, behind = Walk(marched, spans, finest, every), None
     counted, told = 0, False

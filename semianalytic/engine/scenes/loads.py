@@ -1,6 +1,6 @@
 """Loads at the nodes of a grid: pressure under any history, and fronts that move over the nodes.
 
-Slip between identical bodies does not change the pressure, so that of the stuck interface holds,
+Slip between identical bodies does not change the pressure, so it is that of the stuck interface,
 (3.10) and (3.20).  Under a load that comes everywhere at once it is evaluated (`GridPressure`),
 under a front that moves it is marched (`FrontPressure`).
 """
@@ -238,7 +238,7 @@ class FreeFaces(ClosedLine):
     nodes : ContactGrid
         Nodes, also those of a longer slot than that of the march.
     name : {"pressure", "shear"}
-        What acts on the line: rates are those at which the slot closes, or slips.
+        The quantity of the load: rates are those at which the slot closes, or slips.
     front : Front, optional
         The load at the nodes, if its front moves.
     given : function of times (k,) and whether they are just after jumps, optional

@@ -259,7 +259,7 @@ class Marched(MarchedAnswer, SampledAnswer):
         # Any slip ever seen counts: a zone may have been on the grid and have healed since.
         slips = self.seen.slip_rate > 0
         least = ZONE_NODES * self.grid.spacing
-        # What the march found is asked first, because it costs nothing.
+        # The march's own record is asked first, because it costs nothing.
         if float(self.grid.x[slips].max(initial=0.0)) >= least:
             return None
         zone = zone_at_edge(self.scene, self.end_time)

@@ -51,7 +51,8 @@ class Walk:
         self.count = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
         self._seen, earlier, before = marched.seen, marched.interface, marched.statistics.steps
         whole = (before + self.count) // every - before // every
-        # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
+        # in addition to every n-th: the level at t = 0, the last, and one where the march may be
+        # stopped
         levels = (not len(earlier.t)) + whole + bool((before + self.count) % every) + 1
         # a march ends where the contact would open, so that the gap, the last field, is zero
         stored = [getattr(earlier, field.name) for field in fields(earlier)][1:-1]

@@ -1,4 +1,4 @@
-"""The contact beside a slot on the mirrored line that suits it: its loads, friction and memory."""
+"""The contact next to a slot on the mirrored line that suits it: its loads, friction and memory."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ SINGLE_SIZE = 4096
 """Nodes up to which all of the memory has single precision: slip rates change by 5e-6 of
 themselves.  Beyond, the lowest eighth of wavenumbers has double precision: they change by 3e-8."""
 SINGLE_RATES = 1e-20, 1e20
-"""Slip rates [length / time] that single precision, 1e-38 to 3e38, holds with all their sums."""
+"""Slip rates [length / time] within single precision, 1e-38 to 3e38, with all their sums."""
 
 Array = NDArray[np.float64]
 
 
 class SlotLine(ClosedLine):
-    """The contact beside a slot, on half of a line that is even about both of its ends.
+    """The contact next to a slot, on half of a line that is even about both of its ends.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """A march from one stop to the next: in blocks of equal steps where the law allows, or one by one.
 
-Both kinds of march, along a line and beside a slot, go through the same spans of time: each ends at
-a jump of the loads, or where the march does.
+Both kinds of march, along a line and next to a slot, go through the same spans of time: each ends
+at a jump of the loads, or where the march does.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ class Stepper(ClosedLine):
             if bonds is not None:
                 longest = min(longest, self._check_adhesion(bonds, stiff))
         self._has_slots = not self.touching.all()
-        # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
+        # the stiffness of the mean slip may be that of a shorter wave than the grid has
         q = max(math.pi / spacing, held)
         self.ladder = Ladder(
             self.law,

@@ -276,7 +276,7 @@ def differentiated(
 ) -> Derivative:
     """Return the derivative of a solved scene with respect to one of `parameters.PARAMETERS`.
 
-    What is solved is the scene, neighbouring sets of the zones of its solution, and their unit of
+    The solver solves the scene, neighbouring sets of the zones of its solution, and their unit of
     stress; speeds (inner, outer, sense) and status are those of the solution.  Errors are those of
     `Solution.derivative`.
     """
