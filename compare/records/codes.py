@@ -86,7 +86,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
     initial = read_table(Path(stem + "_init_sem2d.tab"), 1).rows
     if len(names) != count or len(x) != points or len(initial) != points:
         raise DataFileError(
-            f"{path} and the files of its folder are not of one run; write them anew."
+            f"{path} and its other files are not of one run; write them anew."
         )
     columns = {SEM_FIELDS[name]: data[:, i] for i, name in enumerate(names) if name in SEM_FIELDS}
     for name, place in (("shear_traction", 0), ("pressure", 1)):
