@@ -61,6 +61,11 @@ class Plane:
         # Poisson ratio.
         self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
         self.family = rayleigh_family(ratio)
+        # What a loose rule lacks is seen at neighbours, which have to be on one as fine: the hidden
+        # root nearest to the cut makes the rule of a batch.  Steps are half powers of two.
+        hidden, a = self.family.hidden_root[:, 0], self.family.a[:, 0]
+        angle = np.where(hidden.imag > 0, np.abs(np.angle((hidden - a) / (1 - hidden))), np.pi)
+        self.strip = np.round(2 * np.log2(np.maximum(angle, 1e-3)))
         ratios, first = np.unique(ratio, return_index=True)
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
         # Loads do not depend on the Poisson ratio.
@@ -170,7 +175,7 @@ class Plane:
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
         distances = np.abs(parts[1:])
-        keys = np.concatenate([[hiding == 2], beyond])
+        keys = np.concatenate([[hiding == 2, self.strip[which]], beyond])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
         # is that of the digits at both ends plus ln(1/gap).
