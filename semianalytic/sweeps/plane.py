@@ -61,8 +61,8 @@ class Plane:
         # Poisson ratio.
         self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
         self.family = rayleigh_family(ratio)
-        # What a loose rule lacks is seen at neighbours, which have to be on one as fine: the hidden
-        # root nearest to the cut makes the rule of a batch.  Steps are half powers of two.
+        # The hidden root nearest to the cut makes the rule of a batch, on which others then lack
+        # less than on their own.  Steps are half powers of two.
         hidden, a = self.family.hidden_root[:, 0], self.family.a[:, 0]
         angle = np.where(hidden.imag > 0, np.abs(np.angle((hidden - a) / (1 - hidden))), np.pi)
         self.strip = np.round(2 * np.log2(np.maximum(angle, 1e-3)))
@@ -163,11 +163,12 @@ class Plane:
         return ZoneSets(Edges(self.family, *pattern), self.load).chosen(which)
 
     def _batches(
-        self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
+        self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array, measured: bool
     ) -> Iterator[np.ndarray]:
         """Yield groups of indices into `which` whose zones may share panels.
 
         Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
+        Where it is `measured` what edges lack on a loose rule, groups hold like solids alone.
         """
         if not len(which):
             return
@@ -175,7 +176,7 @@ class Plane:
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
         distances = np.abs(parts[1:])
-        keys = np.concatenate([[hiding == 2, self.strip[which]], beyond])
+        keys = np.concatenate([[hiding == 2, self.strip[which] * measured], beyond])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
         # is that of the digits at both ends plus ln(1/gap).
@@ -196,7 +197,8 @@ class Plane:
         # still find the edges.
         led = np.flatnonzero(every.doubt < tuning.LEADING_DOUBT)
         left = [every[every.doubt >= tuning.LEADING_DOUBT]]
-        for batch in self._batches(pattern, targets[led], every.unknowns[led], every.loose[led]):
+        some = targets[led], every.unknowns[led], every.loose[led]
+        for batch in self._batches(pattern, *some, False):
             left.append(self._correct(pattern, certain[led[batch]], every[led[batch]]))
         rest = joined(left)  # none of them is trusted
         return replace(rest, doubt=np.maximum(rest.doubt, tuning.LEADING_DOUBT))
@@ -218,7 +220,7 @@ class Plane:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _compute(self, pattern: Pattern, every: Predictions, origin: str = COMPUTED) -> None:
         """Keep predictions that can be corrected on the fine rule."""
-        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance):
+        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, True):
             some = every[batch]
             start, sets = perf_counter(), self._sets(pattern, some.points)
             done = continued(sets, some.each(), self.rtol)
