@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -75,9 +75,7 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     others = set(multiprocessing.active_children())
     os.environ.update(ONE_THREAD)
-    pool = ProcessPoolExecutor(
-        count, multiprocessing.get_context("spawn"), initializer=_serve_parent
-    )
+    pool = ProcessPoolExecutor(count, _context(before), initializer=_serve_parent)
     finished = False
     try:
         # Ctrl-C is also held back from workers that are still starting
@@ -104,6 +102,16 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+def _context(environment: Mapping[str, str | None]) -> multiprocessing.context.BaseContext:
+    """Return how processes start: as copies of this one, which need no imports, where that is safe.
+
+    A copy lacks other threads, whose locks stay locked, and keeps the threads of linear algebra
+    that this process began with.
+    """
+    single = threading.active_count() == 1 and environment["OPENBLAS_NUM_THREADS"] == "1"
+    return multiprocessing.get_context("fork" if single and sys.platform == "linux" else "spawn")
 
 
 @contextmanager
@@ -134,6 +142,7 @@ def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
 def _serve_parent() -> None:
     """Initialise a worker: leave Ctrl-C to the parent, and end when the parent ends in any way."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a copy of the parent has that of the parent
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_after, args=(wait, [parent.sentinel]), daemon=True).start()
