@@ -6,7 +6,7 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
+from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -203,16 +203,19 @@ def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
         yield
 
 
+@lru_cache(maxsize=1024)
+def _compressed(block: bytes) -> bytes:
+    """Return a block of at most 32 kB compressed; those of the mesh come again in each frame."""
+    return zlib.compress(block, level=COMPRESSION_LEVEL)
+
+
 @contextmanager
 def _quick_compression() -> Iterator[None]:
     """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option.
 
     Its VTU writer calls `zlib.compress(block)` of the module zlib that it has imported.
     """
-    quick = SimpleNamespace(
-        compress=partial(zlib.compress, level=COMPRESSION_LEVEL), decompress=zlib.decompress
-    )
-    _vtu.zlib = quick
+    _vtu.zlib = SimpleNamespace(compress=_compressed, decompress=zlib.decompress)
     try:
         yield
     finally:
