@@ -206,7 +206,8 @@ class Trials:
         With f p alone in play, a change of the base pressure is one of friction.
         """
         given = self.unknowns.scene
-        frictions = [scene.coefficient * self._pressed(scene) for scene in scenes]
+        held, *now = (one.superposition.in_place.pressure or 1.0 for one in (given, *scenes))
+        frictions = [one.coefficient * (p / held) for one, p in zip(scenes, now, strict=True)]
         if "poisson_ratio" in self._swept_along:
             from semianalytic.sweeps.sweep import sweep  # here, for a quick import
 
@@ -215,22 +216,14 @@ class Trials:
         # Trials of friction alone keep what they find: each helps those that come later.
         from semianalytic.sweeps.continuation import Continuation
 
+        known = self.followed or Continuation((), self.rtol, scaled_load(given)[1])
         # each friction once, for trials of the set-up alone share one
         laws = [given.law.with_coefficient(one) for one in dict.fromkeys(frictions)]
-        held = [replace(given, friction=law) for law in laws]
-        before = self.followed or Continuation((), self.rtol, scaled_load(given)[1])
-        followed = before.extended(held)
+        followed = known.extended([replace(given, friction=law) for law in laws])
         followed.run()
         self.followed = followed
         places = np.searchsorted(followed.friction, frictions)
         return [followed.solutions[place] for place in places.tolist()]
-
-    def _pressed(self, scene: Scene) -> float:
-        """Return the pressure of a scene over that of the first guess, if it is strength alone."""
-        if "base_pressure" not in self._swept_along:
-            return 1.0
-        now, before = (one.superposition.in_place.pressure for one in (scene, self.unknowns.scene))
-        return now / before
 
     @cached_property
     def _pressure_is_strength(self) -> bool:
@@ -319,10 +312,9 @@ class Trials:
             of, share = name, 1.0
             strength = name in ("friction", "base_pressure") and self._pressure_is_strength
             if strength and scene.coefficient:
-                held = solution.scene.superposition.in_place.pressure  # under which it was solved
-                other = scene.superposition.in_place.pressure
-                other = scene.coefficient if name == "base_pressure" else other
-                of, share = "friction", other / held
+                now, held = (one.superposition.in_place.pressure for one in (scene, solution.scene))
+                other = scene.coefficient if name == "base_pressure" else now
+                of, share = "friction", other / held  # it was solved under another pressure
             column = share * samples.exact(_derivative(solution, of), setup, t)
         # Exact derivatives exist on the interface for the parameters of `derivative` alone.
         lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
