@@ -186,7 +186,7 @@ class LineTrials(Trials):
         return True
 
     @property
-    def _swept_along(self) -> frozenset[str]:
+    def swept(self) -> frozenset[str]:
         """No unknown: marches are not swept."""
         return frozenset()
 

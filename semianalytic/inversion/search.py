@@ -91,7 +91,7 @@ def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None =
     """
     try:
         end = descend(trials, start, most, ends)
-    except _KnownMinimum:
+    except StopIteration:
         return
     # A new minimum replaces those that it is the better end of.
     near = [fit for fit in ends if fit.distance(end.scaled) < 0.5]  # nearer minima count as one
@@ -101,27 +101,17 @@ def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None =
     ends.sort(key=lambda end: end.chi2)
 
 
-class _KnownMinimum(Exception):
-    """A search has come to a minimum that is known."""
-
-
 def descend(
     trials: Trials, start: Array, most: int | None = None, known: Sequence[Minimum] = ()
 ) -> Minimum:
-    """Run least squares from a start, with so many solutions at most.
-
-    Raises
-    ------
-    _KnownMinimum
-        If the search comes to a known minimum.
-    """
+    """Run least squares, for so many solutions at most; StopIteration at a known minimum."""
     from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
 
     low, high = trials.bounds
 
     def jacobian(scaled: Array) -> Array:
         if any(one.distance(scaled) < ARRIVED for one in known):
-            raise _KnownMinimum
+            raise StopIteration
         return trials.jacobian(scaled)
 
     found = least_squares(
@@ -156,7 +146,9 @@ def scan(trials: Trials) -> list[Array]:
 def _counts(trials: Trials) -> tuple[int, int]:
     """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
     other = sum(map(is_of_setup, trials.unknowns.names))
-    count = (1, 32, 96, 144)[min(trials.of_scene, 3)]
+    # friction and a pressure that act through f p alone act as one
+    solved = len(trials.unknowns.names) - other - ({"friction", "base_pressure"} <= trials.swept)
+    count = (1, 32, 96, 144)[min(solved, 3)]
     return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
 
 

@@ -15,14 +15,7 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.unknowns import (
-    MATERIAL,
-    SOLVED,
-    Setup,
-    Unknowns,
-    has_similarity,
-    is_of_setup,
-)
+from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
@@ -148,7 +141,9 @@ class Trials:
         return solution
 
     def _solve(self, scene: Scene) -> Solution:
-        return solve(scene, rtol=self.rtol) if self.followed is None else self._swept([scene])[0]
+        return (
+            solve(scene, rtol=self.rtol) if self.followed is None else self._solutions([scene])[0]
+        )
 
     def misfit(self, scaled: Array) -> Array:
         """Return misfits (n,) of samples and priors, in deviations; infinite without a scene."""
@@ -167,14 +162,14 @@ class Trials:
 
     def misfits(self, points: Sequence[Array]) -> Array:
         """Return the misfits (m, n) of many values, computed by a sweep where possible."""
-        if not self._swept_along:
+        if not self.swept:
             return np.array([self.misfit(point) for point in points])
         rows = np.full((len(points), self.rows), np.inf)
         ready: list[tuple[int, Scene, Setup]] = []
         for number, point in enumerate(points):
             with suppress(SceneError):
                 ready.append((number, *self.at(point)))
-        answers = self._swept([scene for _, scene, _ in ready])
+        answers = self._solutions([scene for _, scene, _ in ready])
         together: dict[Solution, list[int]] = {}  # trials of the set-up alone share an answer
         for place, answer in enumerate(answers):
             together.setdefault(answer, []).append(place)
@@ -186,21 +181,13 @@ class Trials:
         return rows
 
     @cached_property
-    def _swept_along(self) -> frozenset[str]:
+    def swept(self) -> frozenset[str]:
         """Unknowns of the scene if a sweep follows all of them; others need a solution each."""
         of_scene = frozenset(self.unknowns.names).intersection(SOLVED)
-        swept = {"friction", "poisson_ratio"}
-        if self._pressure_is_strength:
-            swept.add("base_pressure")
-        return frozenset() if of_scene - swept else of_scene
+        pressure = {"base_pressure"} if self._pressure_is_strength else set()
+        return frozenset() if of_scene - {"friction", "poisson_ratio"} - pressure else of_scene
 
-    @property
-    def of_scene(self) -> int:
-        """Number of ways in which unknowns act on the scene; both in f p act in one."""
-        count = sum(not is_of_setup(name) for name in self.unknowns.names)
-        return count - ({"friction", "base_pressure"} <= self._swept_along)
-
-    def _swept(self, scenes: Sequence[Scene]) -> Sequence[Solution]:
+    def _solutions(self, scenes: Sequence[Scene]) -> Sequence[Solution]:
         """Return solutions of scenes by a sweep, all under the base of the first guess.
 
         With f p alone in play, a change of the base pressure is one of friction.
@@ -208,7 +195,7 @@ class Trials:
         given = self.unknowns.scene
         held, *now = (one.superposition.in_place.pressure or 1.0 for one in (given, *scenes))
         frictions = [one.coefficient * (p / held) for one, p in zip(scenes, now, strict=True)]
-        if "poisson_ratio" in self._swept_along:
+        if "poisson_ratio" in self.swept:
             from semianalytic.sweeps.sweep import sweep  # here, for a quick import
 
             ratios = [scene.material.poisson_ratio for scene in scenes]

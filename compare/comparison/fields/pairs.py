@@ -50,11 +50,8 @@ def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     back from its sides, which fix the displacement that plane waves do not have
     (`meshes.blocks.causal_blocks`).
     """
-    few = min(most, SAMPLED)
-    nodes, fewer, elements = (
-        places.thinned(count)
-        for places, count in ((frame.nodes, most), (frame.nodes, few), (frame.elements, few))
-    )
+    nodes, few = frame.nodes.thinned(most), min(most, SAMPLED)
+    fewer, elements = (places.thinned(few) for places in (frame.nodes, frame.elements))
     base = fields.stress(0.0, 1.0, 0.0)[:, None]
     stress = fields.stress(elements.x, resolved(fields, elements.y), frame.time) - base
     predicted = {

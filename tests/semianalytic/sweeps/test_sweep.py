@@ -16,12 +16,7 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.sweeps.continuation import (
-    COMPUTED,
-    FROM_SCRATCH,
-    INTERPOLATED,
-    Continuation,
-)
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED, Continuation
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
 
