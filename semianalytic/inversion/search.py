@@ -146,10 +146,13 @@ def scan(trials: Trials) -> list[Array]:
 def _counts(trials: Trials) -> tuple[int, int]:
     """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
     other = sum(map(is_of_setup, trials.unknowns.names))
-    # friction and a pressure that act through f p alone act as one
-    solved = len(trials.unknowns.names) - other - ({"friction", "base_pressure"} <= trials.swept)
-    count = (1, 32, 96, 144)[min(solved, 3)]
+    count = (1, 32, 96, 144)[min(_acting(trials) - other, 3)]
     return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
+
+
+def _acting(trials: Trials) -> int:
+    """Return the number of unknowns; friction and a pressure that act through f p alone are one."""
+    return len(trials.unknowns.names) - ({"friction", "base_pressure"} <= trials.swept)
 
 
 def _share(trials: Trials) -> int:
@@ -159,7 +162,7 @@ def _share(trials: Trials) -> int:
 
 def _nearby(trials: Trials) -> int:
     """Return the number of points of a scan of surroundings."""
-    return 20 * len(trials.unknowns.names) // _share(trials)
+    return 20 * _acting(trials) // _share(trials)
 
 
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
