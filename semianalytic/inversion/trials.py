@@ -299,9 +299,7 @@ class Trials:
             of, share = name, 1.0
             strength = name in ("friction", "base_pressure") and self._pressure_is_strength
             if strength and scene.coefficient:
-                now, held = (
-                    near.superposition.in_place.pressure for near in (scene, solution.scene)
-                )
+                now, held = (s.superposition.in_place.pressure for s in (scene, solution.scene))
                 other = scene.coefficient if name == "base_pressure" else now
                 of, share = "friction", other / held  # it was solved under another pressure
             column = share * samples.exact(_derivative(solution, of), setup, t)
