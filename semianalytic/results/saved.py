@@ -116,8 +116,11 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
                 )
             values[name] = scene_from_document(value) if kind is Scene else value
         elif name in group and not hasattr(group[name], "shape"):
-            (part,) = (
-                one for one in (kind, *get_args(kind)) if hasattr(one, "__dataclass_fields__")
+            held = {*group[name], *group[name].attrs}
+            (part,) = (  # the one of several classes that has such fields
+                one
+                for one in (kind, *get_args(kind))
+                if hasattr(one, "__dataclass_fields__") and held <= {of.name for of in fields(one)}
             )
             # a companion is of the same scene
             given = {one.name: known[one.name] for one in fields(part) if one.name in known}

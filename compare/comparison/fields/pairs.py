@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
 from compare.output.field_files import resolved
-from semianalytic.results.answer import BodyFields
+from semianalytic.results.gridded import AnswerInBodies
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -36,7 +36,7 @@ class Pair:
     predicted: Array
 
 
-def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
+def frame_pairs(fields: AnswerInBodies, frame: Frame, most: int) -> dict[str, Pair]:
     """Return all components of a frame beside the prediction there, by name.
 
     At most so many nodes and elements are compared, over the whole mesh.  A mesh made for snapshots
