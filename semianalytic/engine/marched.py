@@ -71,7 +71,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its error:
         ...", whose fields are complete.
     caution : str
-        What limits the accuracy and can be changed, in a sentence; empty if there is nothing.
+        A sentence on what limits the accuracy and can be changed; empty if nothing does.
     checkpoint : LineCheckpoint or SlotCheckpoint
         Everything from which the march goes on.
     error_estimates : mapping
@@ -97,7 +97,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     (2, 2)
     >>> run.stress(0.5, 0.5, 1.0).shape  # sigma_xx, sigma_yy, sigma_xy
     (3,)
-    >>> bool(run.error_of(lambda one: one.max_slip(1.0)) < 0.1 * run.max_slip(1.0))
+    >>> bool(run.error_of(lambda march: march.max_slip(1.0)) < 0.1 * run.max_slip(1.0))
     True
     """
 
@@ -132,8 +132,8 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def steps(self) -> int:
         """Number of steps taken."""
-        one = self.checkpoint
-        return one.steps if isinstance(one, SlotCheckpoint) else len(self.totals.t) - 1
+        start = self.checkpoint
+        return start.steps if isinstance(start, SlotCheckpoint) else len(self.totals.t) - 1
 
     @property
     def is_interrupted(self) -> bool:
@@ -146,8 +146,7 @@ class Marched(AnswerInBodies, SampledAnswer):
 
         It estimates the integral of |error| over the observed contact and all time until the end,
         divided by that of |slip rate|.  It is nan without a companion, and inf where nothing slips
-        though the edge must.  Under rate weakening no grid is fine enough, and it is no bound
-        (docs/spacetime.md, "Friction laws").
+        though the edge must.  Under rate weakening no grid is fine enough, and it is no bound.
         """
         return float(self.error_estimates.get("slip_rate", np.nan))
 
@@ -170,10 +169,10 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def spacing(self) -> float:
         """Distance of the nodes [length]."""
-        one = self.checkpoint
+        start = self.checkpoint
         return (
-            one.grid.spacing
-            if isinstance(one, SlotCheckpoint)
+            start.grid.spacing
+            if isinstance(start, SlotCheckpoint)
             else (self.scene.period / self.nodes)
         )
 
@@ -192,10 +191,10 @@ class Marched(AnswerInBodies, SampledAnswer):
         which is not negative and tends to 0 as the grid is refined, and that of adhesion, which is
         strength x length / 2 per area that has parted.
         """
-        one = self.checkpoint
-        if isinstance(one, SlotCheckpoint):
+        start = self.checkpoint
+        if isinstance(start, SlotCheckpoint):
             return {"friction": float(self.totals.frictional_work[-1]), "closing": 0.0}
-        kept = {"friction": one.end.work, "closing": one.end.closing}
+        kept = {"friction": start.end.work, "closing": start.end.closing}
         return {name: float(self._weights @ value) for name, value in kept.items()}
 
     @cached_property
@@ -222,18 +221,22 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def final_path(self) -> Array:
         """Accumulated |slip| at the nodes until the end (n,) [length]."""
-        one = self.checkpoint
+        start = self.checkpoint
         return (
-            one.reached.state[: self.nodes]
-            if isinstance(one, SlotCheckpoint)
+            start.reached.state[: self.nodes]
+            if isinstance(start, SlotCheckpoint)
             else (self._sums[0][-1])
         )
 
     @property
     def final_work_density(self) -> Array:
         """Energy turned to heat at the nodes until the end, per area (n,) [stress length]."""
-        one = self.checkpoint
-        return one.reached.work[: self.nodes] if isinstance(one, SlotCheckpoint) else one.end.work
+        start = self.checkpoint
+        return (
+            start.reached.work[: self.nodes]
+            if isinstance(start, SlotCheckpoint)
+            else start.end.work
+        )
 
     @cached_property
     def _hidden(self) -> float:
@@ -247,10 +250,10 @@ class Marched(AnswerInBodies, SampledAnswer):
         if of == "opening" or share != ONSET_SHARE or (of != "slip" and least is None):
             found = super()._onset(of, share)
         elif of != "slip":
-            times, rates = (np.concatenate([one[:1], one]) for one in (known.t, known.slip_rate))
+            times, rates = (np.concatenate([rows[:1], rows]) for rows in (known.t, known.slip_rate))
             never, threshold = np.full(len(known.x), np.inf), np.full(len(known.t), least)
             signs = (1, -1) if of == "forward" else (-1, 1)
-            mine, other = (onsets_until(never, times, one * rates, threshold) for one in signs)
+            mine, other = (onsets_until(never, times, sign * rates, threshold) for sign in signs)
             # the first of both senses is known at every step
             found = np.where((mine <= other) & np.isfinite(mine), found, mine)
         return np.where(known.touching, found, np.inf)
@@ -308,12 +311,11 @@ class Marched(AnswerInBodies, SampledAnswer):
         return [(float(t[i]), float(t[j])) for i, j in zip(begins, ends, strict=True)]
 
     def beside_edge(self, edge: float, frame: int = -1) -> EdgeReading:
-        """Return the fields beside an edge at which the contact of a line sticks.
+        """Return the fields next to an edge at which the contact of a line sticks.
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
         of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
-        over three nodes, they are off by 0.5 to 2 % from the second node on (docs/engine.md,
-        "Tractions near a stuck edge").
+        over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
         ----------
@@ -331,7 +333,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         ------
         SceneError
             If there is no such edge, fewer than four nodes lie on a side of it, or the contact
-            slips beside it.
+            slips next to it.
 
         Examples
         --------
@@ -414,7 +416,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     def to_xarray(self, x: Any = None, t: Any = None) -> Any:
         """Return fields as an `xarray.Dataset` of dimensions t and x, ready for NetCDF.
 
-        Without positions x (n,) and times t (m,) it holds all fields of the nodes and levels.
+        Without positions x (n,) and times t (m,) it has all fields of the nodes and levels.
 
         Raises
         ------
@@ -435,7 +437,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Marched:
         """Read a march that `save` wrote.
 
-        A scene that has functions of Python, which no file can hold, is given.
+        A scene that has functions of Python, which no file can contain, is given.
 
         Raises
         ------

@@ -139,7 +139,7 @@ class RunRecord:
     def sum_from(self, earlier: Totals, time: float) -> None:
         """Continue the totals of an earlier march from a time."""
         steps = int((earlier.t <= time).sum())
-        self._summed = [vars(earlier)[one.name][:steps].tolist() for one in fields(Totals)]
+        self._summed = [vars(earlier)[known.name][:steps].tolist() for known in fields(Totals)]
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)
@@ -164,7 +164,7 @@ class RunRecord:
         length = now.time - before.time
         share = min((time - before.time) / length, 1.0)
         pairs = zip(self._shown(before), self._shown(now), strict=True)
-        shown = [one + share * (other - one) for one, other in pairs]
+        shown = [value + share * (other - value) for value, other in pairs]
         shown[0] = before.slip + share * length * (before.rate + shown[1]) / 2
         return tuple(shown)
 
@@ -196,7 +196,7 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
     parts += [scene.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
     values: list[Any] = []
     if is_dataclass(stepper.law):
-        values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
+        values = [getattr(stepper.law, field.name) for field in fields(stepper.law)]
     parts += [value for value in values if isinstance(value, str | bool)]
     digest = hashlib.sha256(repr(parts).encode())
     laid: list[Any] = [
@@ -239,9 +239,9 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Marched, end_time: flo
             "continues; leave out `slipping`, or give the same."
         )
     since = kept.state.time
-    gone = [one for one in record.times or () if one <= since]
+    gone = [time for time in record.times or () if time <= since]
     times = earlier.interface.t
-    lost = [one for one in gone if not np.isclose(one, times, rtol=1e-12, atol=0.0).any()]
+    lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
     if lost:
         raise SceneError(
             f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
@@ -268,7 +268,7 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Marched, end_time: flo
         for name in FIELDS:
             record.fields[name].pop()
     if record.times is not None:
-        record.times = sorted({*again, *(one for one in record.times if one > since)})
+        record.times = sorted({*again, *(time for time in record.times if time > since)})
     record.sum_from(earlier.totals, since)
     record.seen = kept.seen
     record.motion.go_on(earlier.motion, since, record.count)

@@ -87,7 +87,7 @@ class InterfaceHistory:
         left, right, along = between(self.x, x)
         if self.mask is None:
             return left, right, along
-        # beside the end of a contact one of the two is of the slot, and does not count
+        # at the end of a contact one of the two is of the slot, and does not count
         first = self.mask[left] & (along < 1)
         share = np.where(first & self.mask[right], along, 0.0)
         return np.where(first, left, right), right, share
@@ -100,9 +100,9 @@ class InterfaceHistory:
     @property
     def values(self) -> dict[str, Array]:
         """Fields by name, (m, n) each; those that there are."""
-        named = {one.name: getattr(self, one.name) for one in fields(self)}
+        named = {known.name: getattr(self, known.name) for known in fields(self)}
         names = named.keys() - {"x", "t", "mask"}
-        return {name: one for name, one in named.items() if name in names and one is not None}
+        return {name: value for name, value in named.items() if name in names and value is not None}
 
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; the file appears under its name only when it is complete."""

@@ -277,7 +277,7 @@ class SampledAnswer(Gridded):
             return found
         # without a load that changes the pressure it is that of the base
         values = found.pressure.value, found.gap.value
-        pressure, gap = (Measured(one, np.zeros(one.shape)) for one in values)
+        pressure, gap = (Measured(value, np.zeros(value.shape)) for value in values)
         return replace(found, pressure=pressure, gap=gap)
 
     _hidden: Any = 0.0
@@ -367,12 +367,12 @@ class SampledAnswer(Gridded):
             # distances from the begin of the part, which intervals from the first node on start at
             last = begin
             parts = found(x[on] - begin, values[on])
-            for one, after in zip_longest(parts, parts[1:]):
-                stop = min(begin + one.end, end) if math.isfinite(one.end) else end
+            for part, after in zip_longest(parts, parts[1:]):
+                stop = min(begin + part.end, end) if math.isfinite(part.end) else end
                 # ends on either side of a single node lie beyond it: the intervals share its place
                 if after is not None and begin + after.start < stop:
                     stop = (begin + after.start + stop) / 2
-                intervals.append(replace(one, start=max(begin + one.start, last), end=stop))
+                intervals.append(replace(part, start=max(begin + part.start, last), end=stop))
                 last = stop
         return tuple(intervals)
 

@@ -118,12 +118,13 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
         elif name in group and not hasattr(group[name], "shape"):
             held = {*group[name], *group[name].attrs}
             (part,) = (  # the one of several classes that has such fields
-                one
-                for one in (kind, *get_args(kind))
-                if hasattr(one, "__dataclass_fields__") and held <= {of.name for of in fields(one)}
+                part
+                for part in (kind, *get_args(kind))
+                if hasattr(part, "__dataclass_fields__")
+                and held <= {known.name for known in fields(part)}
             )
             # a companion is of the same scene
-            given = {one.name: known[one.name] for one in fields(part) if one.name in known}
+            given = {named.name: known[named.name] for named in fields(part) if named.name in known}
             values[name] = _read(group[name], part, given)
         elif name in group:
             # no deflated array is a thousandth of its size; one that was never written holds none

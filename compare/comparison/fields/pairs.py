@@ -94,6 +94,6 @@ def area_norm(values: Array, area: Array, kept: Mask) -> float:
     return float(np.sum(np.abs(values[kept]) * area[kept]))
 
 
-def alike(one: str, other: str) -> bool:
+def alike(name: str, other: str) -> bool:
     """Whether two components belong to one field."""
-    return one.partition("_")[0] == other.partition("_")[0]
+    return name.partition("_")[0] == other.partition("_")[0]

@@ -57,14 +57,15 @@ class Walk:
         self._first = start.begins if marched.scene.front_too_slow else 0.0
         self._seen, earlier, before = marched.seen, marched.interface, start.steps
         whole = (before + self.count) // every - before // every
-        # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
+        # in addition to every n-th: the level at t = 0, the last, and one where the march may be
+        # stopped
         levels = (not len(earlier.t)) + whole + bool((before + self.count) % every) + 1
         stored = [earlier.t, earlier.slip, earlier.slip_rate, earlier.shear_traction]
         # the pressure before is that of all levels where no load changes it
         self._steady = not marched.scene.superposition.taken_off.pressure
         self._held = np.zeros(self.grid.observed)
         self._stored = _Rows(stored if self._steady else [*stored, earlier.pressure], levels)
-        summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
+        summed = [getattr(marched.totals, known.name) for known in fields(Totals)]
         self._summed = _Rows(summed, (not before) + self.count)
 
     def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
@@ -100,7 +101,7 @@ class Walk:
         """Store the level that is reached if the record begins there."""
         at = self.blocks.times[-1:]
         if at[0] == self._first and not self._stored.count:
-            rate, traction, slip, path, work = (one[-1:] for one in self.blocks.levels)
+            rate, traction, slip, path, work = (level[-1:] for level in self.blocks.levels)
             self._store(at, slip, rate, traction, [pressure])
             self._sum(at, slip, rate, path, work)
 
@@ -142,7 +143,7 @@ class Walk:
             self._held = pressures[-1][: grid.observed]
             self._stored.add(*rows)
         else:
-            self._stored.add(*rows, [one[: grid.observed] for one in pressures])
+            self._stored.add(*rows, [pressure[: grid.observed] for pressure in pressures])
 
     def _sum(
         self, times: Sequence[float], slips: Array, rates: Array, paths: Array, works: Array
@@ -151,8 +152,8 @@ class Walk:
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
         n, h = self.grid.observed, self.grid.spacing
         both = slips[:, :n], self.grid.observe(rates)
-        largest, peaks = (np.abs(one).max(axis=1) for one in both)
-        sums = (one[:, :n].sum(axis=1) * h for one in (paths, works))
+        largest, peaks = (np.abs(rows).max(axis=1) for rows in both)
+        sums = (rows[:, :n].sum(axis=1) * h for rows in (paths, works))
         self._summed.add(times, largest, *sums, peaks)
 
     def reached(self, **known: Any) -> Marched:
@@ -184,9 +185,9 @@ class _Rows:
 
     def __init__(self, earlier: Sequence[Array], more: int) -> None:
         self.count = len(earlier[0])
-        self._arrays = [np.empty((self.count + more, *one.shape[1:])) for one in earlier]
-        for array, one in zip(self._arrays, earlier, strict=True):
-            array[: self.count] = one
+        self._arrays = [np.empty((self.count + more, *stored.shape[1:])) for stored in earlier]
+        for array, stored in zip(self._arrays, earlier, strict=True):
+            array[: self.count] = stored
 
     def add(self, *rows: Any) -> None:
         """Fill rows, of which each array has some."""

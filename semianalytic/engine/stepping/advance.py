@@ -1,7 +1,7 @@
 """A march from one stop to the next: in blocks of equal steps where the law allows, or one by one.
 
-Both kinds of march, along a line and beside a slot, go through the same spans of time: each ends at
-a jump of the loads, or where the march does.
+Both kinds of march, along a line and next to a slot, go through the same spans of time: each ends
+at a jump of the loads, or where the march does.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def _one_by_one(
             both = [now, stepper.advance(now, stop)]
             now = both[1]
             stopped = asked(now.time)
-            yield Taken([one.time for one in both], *levels_of(both, stepper), both.__getitem__)
+            yield Taken([state.time for state in both], *levels_of(both, stepper), both.__getitem__)
             if stopped:
                 return
 
@@ -183,6 +183,6 @@ def _one_by_one(
 def levels_of(states: Sequence[State], stepper: Stepper) -> tuple[Array, Array, Array]:
     """Return slip rate, slip and work of friction on the contact in states, (k, ...) each."""
     on = stepper.touching
-    rows = zip(*((one.rate, one.slip, one.work[on]) for one in states), strict=True)
+    rows = zip(*((now.rate, now.slip, now.work[on]) for now in states), strict=True)
     rates, slips, works = map(np.array, rows)
     return rates, slips, works

@@ -131,8 +131,8 @@ def test_refused_by_the_grid_whatever_the_step(step_ratio):
 def test_more_nodes_by_default():
     scene = sheared(sf.Harmonic(400.0), friction=0.5)
     assert nodes_for_loads(scene, 0.2, 0.4, 1000)[0] == pytest.approx(1230, rel=0.02)
-    assert march(scene, end_time=0.2, every=10**6).grid.observed > 1200
-    assert march(sheared(sf.Harmonic(3.0)), end_time=0.2, every=10**6).grid.observed == 1000
+    assert march(scene, end_time=0.2, every=10**6).nodes > 1200
+    assert march(sheared(sf.Harmonic(3.0)), end_time=0.2, every=10**6).nodes == 1000
     steel = sf.Material(80e9, 7800.0, 0.3)
     fast = replace(scene, material=steel, shear_history=sf.Harmonic(3.2e6))
     with pytest.raises(sf.SceneError, match="than 8000 nodes"):
@@ -314,7 +314,8 @@ def test_stored_history_is_thinned_to_fit(capsys, tmp_path):
     scene = find_scene("ramp")
     whole = march(scene, nodes=200)
     thin = march(scene, nodes=200, memory=2_000_000)
-    assert (every := thin.checkpoint.every) > 1
+    every = thin.checkpoint.every
+    assert every > 1
     assert 32 * len(thin.interface.t) * 200 < 1_500_000
     assert thin.interface.t[-1] == 1.0
     np.testing.assert_array_equal(thin.interface.slip[-1], whole.interface.slip[-1])
