@@ -127,7 +127,7 @@ def run(
     >>> base, everywhere = sf.Tractions(1e6, 0.6e6), sf.Contact()
     >>> fault = sf.Scene(rock, law, base, pushed, contact=everywhere, period=8.0, rate=1e-6)
     >>> slow = sf.solve(fault, end_time=0.5, nodes=32)
-    >>> bool(slow.slip.max() > 2e-6), slow.status
+    >>> bool(slow.max_slip(0.5) > 2e-6), slow.status
     (True, 'done')
     """
     end_time = checked_size("run: end_time", end_time)
