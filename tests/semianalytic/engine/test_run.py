@@ -190,6 +190,5 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
     for part in ("interface", "totals", "seen"):
         for name, found in vars(getattr(one, part)).items():
             wanted = getattr(getattr(other, part), name)
-            # of an unknown law work is that of the traction, which is less where a zone ends
-            if name not in ("state", "slipping", "frictional_work"):
+            if name not in ("state", "slipping", "frictional_work"):  # less where a zone ends
                 np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11, err_msg=name)
