@@ -219,7 +219,7 @@ class LineCase(Case):
         if "slip_rate" in self.fields:
             yield from self._edge_rows()
         for name in self.fields:
-            yield map_row(self, name, np.zeros_like(self.seen.slip), smooth=True)
+            yield map_row(self, name, np.zeros_like(self.seen.slip))
         yield from local_rows(self)
         yield from self._law_rows()
         yield from likeness_rows(self)
