@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 
 LEAST_ERROR = 2e-4
 """Relative error of a field below which no mesh difference is believed.  Where all meshes slide at
-the same frictional traction, they differ only at a node beside a front.  Of the rows measured,
+the same frictional traction, they differ only at a node next to a front.  Among the rows measured,
 those of pressure and slip that are this close to the prediction are up to 5 times as far from it as
 meshes change; with half this value none was beyond 1.5 bars."""
 
@@ -175,17 +175,15 @@ def field_row(
     finest = range(len(case.runs))[:2]
     largest = [float(np.abs(at(number, number)).max(initial=0.0)) for number in finest]
     if largest[0] > case.nothing(kind) >= largest[-1]:
-        meshes = 0  # a mesh on which nothing moves does not tell how fast
-    pairs = list(pairwise(range(min(len(case.runs), meshes + 1))))
-    more = [0.0 for _ in pairs]
+        meshes = 0  # a mesh on which nothing moves gives no speed
+    numbers = range(min(len(case.runs) - 1, meshes))
+    more = [0.0 for _ in numbers]
     if driven is not None and not nothing:  # largest values at fronts do not converge
-        more = [size(driven(n)[..., field.shown[of]], of) / per for n, of in pairs]
-    floor = case.nothing(kind) if nothing else least_error(case)
-    for whose in (0,) if jumps else (1, 0):
-        nodes = [pair[whose] for pair in pairs]
-        own = [size(at(n, of) - at(n + 1, of), of) / per for n, of in enumerate(nodes)]
+        more = [size(driven(n)[..., field.shown[n + 1]], n + 1) / per for n in numbers]
+    floor, most = case.nothing(kind) if nothing else least_error(case), case.largest_order(kind)
+    for to in (0,) if jumps else (1, 0):
+        own = [size(at(n, n + to) - at(n + 1, n + to), n + to) / per for n in numbers]
         changes = [sum(both) for both in zip(own, more, strict=True)]
-        most = case.largest_order(kind)
         error = error_bar(changes, floor, most=most, norm=not nothing) if changes else None
         if error is None or error.converges:
             break
@@ -193,8 +191,8 @@ def field_row(
     if field.doubted is not None:
         added += size(shown(field.doubted, 0) - predicted, 0) / per
     measure, unit = ("largest", unit) if nothing else ("L1", unit_of_norm)
-    numbers = exact, whole, size(at(0, 0), 0), size(at(0, 0) - predicted, 0) / per, None
-    row = Row(f"{name}, {measure}", kind, *numbers, unit, relative=not nothing)
+    values = exact, whole, size(at(0, 0), 0), size(at(0, 0) - predicted, 0) / per, None
+    row = Row(f"{name}, {measure}", kind, *values, unit, relative=not nothing)
     if error and not error.converges and not nothing and showing < len(changes):
         if not showing:
             return replace(row, obstacle=FEW, resolution=case.finer)
@@ -292,7 +290,7 @@ def judged(
         return held
     if row.verdict == UNRESOLVED:
         return replace(row, obstacle=BY_LITTLE.format(row.alarm), resolution=finer)
-    # what is nothing at the nodes has no size that a bar could be held against
+    # what is nothing at the nodes has no size to compare a bar with
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
         return replace(row, obstacle=WIDE, resolution=math.ceil(growth * finer / 2))
