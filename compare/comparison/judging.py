@@ -197,10 +197,9 @@ def field_row(
         if not showing:
             return replace(row, obstacle=FEW, resolution=case.finer)
         error = error_bar(changes[:showing], floor)
-    diverges = error is not None and not error.converges
     # a pressure that is singular at the edge converges with order 1/2 at best; a field that
     # converges by itself must not be rejected for that
-    if error and diverges and driven is not None and error_bar(own, floor).converges:
+    if error and not error.converges and driven is not None and error_bar(own, floor).converges:
         error = slowest_bar(error, changes, floor)
 
     def before() -> float:
