@@ -306,10 +306,9 @@ class Case:
         """Return the highest order of convergence that is believed of a kind of field.
 
         Faces that are loaded suddenly start a part of a step late, which is an error of first order
-        in all that follows but means of slip rate: with 1.25, slip under rate-and-state friction
-        was 1.0 to 1.2 bars off.  The shear traction ahead of an edge of slip bends like a square
-        root: that of `ramp` comes nearer to the march with orders of 0.56 and 0.8, while its
-        changes from mesh to mesh show 1.24.
+        in all that follows but slip rates: with 1.25, slip under rate-and-state friction was 1.0 to
+        1.2 bars off.  Ahead of an edge of slip the shear traction bends like a square root: that of
+        `ramp` shows 1.24, and comes nearer to the march with orders of 0.56 and 0.8.
         """
         return LARGEST_ORDER if kind == "slip rate" else 1.0
 

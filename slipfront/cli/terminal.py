@@ -322,8 +322,7 @@ def verdict_lines(judgement: Judgement | Validation) -> Iterator[str]:
     rows = ", ".join(f"{count} {verdict.removesuffix('s')}" for verdict, count in found if count)
     yield f"Verdict: {judgement.said} ({f'rows: {rows}' if rows else 'nothing is compared'})."
     if quoted := judgement.quoted:
-        rest = f"{quoted[0].upper()}{quoted[1:]}."
-        yield f"Difference ± error bar: {quoted}." if "±" in quoted else rest
+        yield f"Difference ± error bar: {quoted}." if "±" in quoted else f"{quoted.capitalize()}."
 
 
 def unresolved_lines(

@@ -131,6 +131,7 @@ def map_row(case: Case, name: str, unseen: Array) -> Row:
         unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
         driven=(lambda of: case.strength_changes[of][late[of + 1]]) if driven else None,
         showing=case.showing(name, slice(None)) if name == "slip_rate" else 2,
+        jumps=driven,
     )
 
 

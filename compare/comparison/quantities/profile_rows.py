@@ -51,6 +51,7 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
         scale=(case.rate, "V₀"),
         driven=lambda number: case.strength_changes[number][-1],
         showing=case.showing("slip_rate", LAST),
+        jumps=True,
     )
     yield _end_row(
         case,
