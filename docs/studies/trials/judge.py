@@ -172,7 +172,7 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
         line: Row = {"kind": kind, "index": index, "mistake": mistake, "place": place}
         line |= {"bars": effect, "verdict": "refused" if judgement is None else judgement.verdict}
         found = {r.name: r.bar for r in judgement.rows if r.kind in MOTION[:2]} if judgement else {}
-        wider = (bar / bars[name] for name, bar in found.items() if bar and bars.get(name))
+        wider = (bar / known for name, bar in found.items() if bar and (known := bars.get(name)))
         rows.append(line | {"wider": max(wider, default=0.0)})
 
     exact = flawless(truth, case)

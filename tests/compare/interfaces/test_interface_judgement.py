@@ -198,7 +198,7 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
     one = getattr(finest, field).copy()
     one[3, 5] = value
     for spoilt in (every, one):
-        with pytest.raises(DataFileError, match=r"256 nodes holds .* not a finite number"):
+        with pytest.raises(DataFileError, match=r"256 nodes has .* not a finite number"):
             judge_interface(judged.prediction, [replace(finest, **{field: spoilt}), *coarser])
     everywhere = [
         replace(one, **{field: np.full_like(one.slip, value)}) for one in (finest, *coarser)
