@@ -205,7 +205,7 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
     ]
     with pytest.raises(DataFileError, match="not a finite number"):
         judge_interface(judged.prediction, everywhere)
-    with pytest.raises(DataFileError, match="the run holds"):
+    with pytest.raises(DataFileError, match="the run has"):
         judge_interface(changed(judged.prediction, **{field: every}), list(judged.case.simulations))
 
 
