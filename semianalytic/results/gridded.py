@@ -102,7 +102,8 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
-        if ax is not None and not all(hasattr(one, "pcolormesh") for one in np.ravel(ax)):
+        axes = ax if isinstance(ax, list | tuple) else np.ravel(ax)
+        if ax is not None and not (len(axes) and all(hasattr(a, "pcolormesh") for a in axes)):
             raise SceneError(f"plot: ax must be Axes of matplotlib, got {shown(ax)}.")
         return drawn(self, ax, t)
 

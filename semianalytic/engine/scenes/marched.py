@@ -211,7 +211,8 @@ class Marched(MarchedAnswer, SampledAnswer):
 
         It estimates the integral of |error| over the observed contact and all time until the end,
         divided by that of |slip rate|, as 1.25 times the difference of march and companion, or
-        less if a higher than the first `order` was seen.  It is nan without a companion, and inf
+        less if a higher than the first `order` was seen.  Where the companion slips more, the true
+        slip rate is taken to be smaller than that of the march by the same factor.  It is nan without a companion, and inf
         where nothing slips though the edge must.  Under rate weakening no grid is fine enough, and
         it is no bound (docs/spacetime.md, "Friction laws").
         """
@@ -224,8 +225,13 @@ class Marched(MarchedAnswer, SampledAnswer):
             return math.inf if apart.difference or self._missed_zone is not None else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        of_grids = safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
-        return of_grids + self._of_film + self._hidden
+        factor = safety(self.order)
+        of_grids = factor * apart.share + MEMORY_SAFETY * self.memory.error
+        # What coarser grids slip too much, by the same factor, the true slip is less than its own,
+        # and errors are relative to the true one.
+        own, coarser = (float(one.totals.accumulated_slip[-1]) for one in (self, self.companion))
+        true = min(1.0, 1.0 - factor * (coarser / own - 1.0)) if own else 1.0
+        return (of_grids + self._of_film + self._hidden) / true if true > 0 else math.inf
 
     @cached_property
     def _of_film(self) -> float:
