@@ -28,8 +28,8 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
         return error
     error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
-    one, other = edge_tractions(fine), edge_tractions(coarse)
-    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, one))
+    finer, other = edge_tractions(fine), edge_tractions(coarse)
+    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, finer))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
     slowest = fine.interface.compliance.last
@@ -43,7 +43,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     film = 2.0 * loads.resistance * np.abs(rates[:, 0]) + abs(loads.load_shear)
     film += loads.friction * loads.base_pressure
     of_film = loads.resistance * np.abs(rates - others)[:, 0] / np.where(film > 0, film, 1.0)
-    at_edges = _traction_change(fine.interface, one.values, other.values)
+    at_edges = _traction_change(loads, finer.values, other.values)
     changes = [shifts, left, of_rates, of_film, at_edges]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
@@ -70,7 +70,7 @@ def _rates(density: Density) -> Array:
     return np.array(result)
 
 
-def _traction_change(interface: LoadedBodies, one: Array, other: Array) -> Array:
+def _traction_change(interface: LoadedBodies, finer: Array, other: Array) -> Array:
     """Return differences of tau and sigma at edges, (e, 2), over themselves plus f P_b or P_b."""
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])
-    return np.asarray(np.abs(one - other) / (np.abs(one) + held))
+    return np.asarray(np.abs(finer - other) / (np.abs(finer) + held))

@@ -103,7 +103,9 @@ class Gridded:
         from semianalytic.results.plotting import drawn
 
         axes = ax if isinstance(ax, list | tuple) else np.ravel(ax)
-        if ax is not None and not (len(axes) and all(hasattr(a, "pcolormesh") for a in axes)):
+        if ax is not None and not (
+            len(axes) and all(hasattr(panel, "pcolormesh") for panel in axes)
+        ):
             raise SceneError(f"plot: ax must be Axes of matplotlib, got {shown(ax)}.")
         return drawn(self, ax, t)
 
