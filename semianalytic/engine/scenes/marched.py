@@ -227,11 +227,11 @@ class Marched(MarchedAnswer, SampledAnswer):
         # show.
         factor = safety(self.order)
         of_grids = factor * apart.share + MEMORY_SAFETY * self.memory.error
-        # What coarser grids slip too much, by the same factor, the true slip is less than its own,
-        # and errors are relative to the true one.
+        # Errors are relative to the true slip rate, which is less than that of the march by about
+        # as much, with the same factor, as the companion slips more.
         own, coarser = (float(one.totals.accumulated_slip[-1]) for one in (self, self.companion))
-        true = min(1.0, 1.0 - factor * (coarser / own - 1.0)) if own else 1.0
-        return (of_grids + self._of_film + self._hidden) / true if true > 0 else math.inf
+        over = factor * max(coarser / own - 1.0, 0.0) if own else 0.0
+        return (of_grids + self._of_film + self._hidden) * (1.0 + over)
 
     @cached_property
     def _of_film(self) -> float:
