@@ -30,7 +30,7 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
     length, area = EdgeNodes(done).missed_slip
     assert length == pytest.approx(zone.outer, rel=0.1)
-    assert f"slips next to an edge over about {length:.2g}" in done.status
+    assert f"slips beside an edge over about {length:.2g}" in done.status
     needed = int(done.status.split("use ")[1].split()[0])
     assert sf.solve(pushed(friction), end_time=1.0, nodes=needed, times=[1.0]).status == "done"
     x = zone.outer * (np.arange(400) + 0.5) / 400
@@ -82,4 +82,4 @@ def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatc
         done.save(path)
     monkeypatch.undo()
     assert [one.name for one in tmp_path.iterdir()] == ["run.h5"]
-    assert sf.Run.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)
+    assert sf.Marched.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)
