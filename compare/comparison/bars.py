@@ -4,8 +4,9 @@ The changes of a reading from mesh to mesh show how fast it converges.  Where it
 element size 2h to h and by c₂ from 4h to 2h, the order is p = log₂ c₂/c₁ and c₁/(2^p − 1) is still
 missing at h (Roache's grid convergence index).  Orders are bounded as by Eça & Hoekstra (2014,
 J. Comput. Phys. 262).  Below `LEAST_ORDER` the meshes do not converge.  Beyond `LARGEST_ORDER` the
-first change is taken to be small by chance, and a part of the second one replaces it.  The bar of
-a sequence that does not converge is `RANGE` times the range that it covers.
+first change of a reading is taken to be small by chance, and a part of the second one replaces it;
+norms over many nodes are not small by chance.  The bar of a sequence that does not converge is
+`RANGE` times the range that it covers.
 
 The constants were measured on 160 drawn scenes, 50 of maps around two named ones and 24 named ones,
 then on 206 more at the mesh of the command; none is among those of the trial.
@@ -25,7 +26,7 @@ LARGEST_ORDER = 1.25
 """Highest order of convergence that is believed.  Errors, above all those of slip, fall faster at
 first than later, and motion at kinks and jumps does not converge with the order of the scheme, 2.
 Among 2,800 rows of 144 scenes one was beyond 1.5 bars and twelve beyond one bar with a limit of
-1.36; with 1.17, none and two."""
+1.36; with 1.17, none and two.  Slip and slip rate of 142 drawn cases were at most 0.9 bars off."""
 SAFETY = 1.25
 """Safety factor of the bar of a converging sequence.  97 % of the rows were within their bar and
 none was beyond 1.5 bars, except where no mesh showed the feature; with half this factor, one in six
@@ -68,6 +69,7 @@ def error_bar(
     floor: float = 0.0,
     ratio: float = 2.0,
     most: float = LARGEST_ORDER,
+    norm: bool = False,
 ) -> ErrorBar:
     """Error bar of a reading, or of a norm.
 
@@ -75,8 +77,8 @@ def error_bar(
     signed ones of one value, or norms of those of a field.  The floor is the uncertainty due to
     nodes, steps and rounding, in the same unit: changes that do not fall with `LEAST_ORDER` and are
     no larger than it allows show no order, and the last one counts as no smaller than it.  The
-    ratio is that of the element sizes of two successive meshes, and `most` the largest order that
-    is believed.
+    ratio is that of the element sizes of two successive meshes, `most` the largest order that is
+    believed, and `norm` says that no change is small by chance.
     """
     order = observed_order(changes, ratio)
     if len(changes) == 1:
@@ -93,7 +95,7 @@ def error_bar(
     if seen < LEAST_ORDER and max(last, before) > ROUNDING * floor:
         last = max(last, floor)  # only the uncertainty of the nodes allows it: small by chance
     believed = min(max(seen, LEAST_ORDER), most)
-    missing = max(last, before / ratio**most) / (ratio**believed - 1)
+    missing = (last if norm else max(last, before / ratio**most)) / (ratio**believed - 1)
     return ErrorBar(min(SAFETY * missing + floor, limit), order, limit, converges=True)
 
 

@@ -127,10 +127,10 @@ def field_row(
     *,
     exact: float | None = None,
     unseen: float = 0.0,
-    smooth: bool = False,
     driven: Callable[[int], Array] | None = None,
-    most: int = 2,
+    meshes: int = 2,
     showing: int = 2,
+    jumps: bool = False,
 ) -> Row:
     """Return the row of the norms of a field, its relative error and its bar.
 
@@ -140,13 +140,14 @@ def field_row(
     replace norms, and differences are in units of the field.
 
     `scale` is the divisor of the values, its name, and the unit of norms; `exact` the norm of the
-    prediction itself, `unseen` that of its parts too narrow for the mesh.  A `smooth` field has no
-    fronts: meshes are compared at the nodes of the coarser one, between which linear interpolation
-    is less accurate than at its ends.  `driven` returns the change of the field, over its divisor,
-    at the nodes and times of a run that the change of strength from mesh to mesh causes, 0 from 2h
-    to h and 1 from 4h to 2h; it is added to the change of the field.  At `most` so many changes
-    from mesh to mesh are used, from the finest on, and where they do not converge only those of
-    meshes that are `showing` how large the field is; without any the row has no bar.
+    prediction itself, `unseen` that of its parts too narrow for the mesh.  Meshes are compared at
+    the nodes of the coarser one, between which interpolation has an error of its own; at those of
+    the finer one where these show no convergence, or where a field `jumps` at fronts, which lie
+    between nodes.  `driven` returns the change of the field, over its divisor, that the change of
+    strength from mesh to mesh causes at the nodes and times of the coarser one, 0 from 2h to h and
+    1 from 4h to 2h; it is added to the change of the field.  So many changes from mesh to mesh as
+    there are other `meshes` are used, from the finest on, and where they do not converge only those
+    of meshes that are `showing` how large the field is; without any the row has no bar.
     """
     value, unit, unit_of_norm = scale
     places = [x[shown] for x, shown in zip(field.x, field.shown, strict=True)]
@@ -171,34 +172,34 @@ def field_row(
 
     whole = size(predicted, 0)
     per = 1.0 if nothing else whole
-    own, changes = [], []
     finest = range(len(case.runs))[:2]
     largest = [float(np.abs(at(number, number)).max(initial=0.0)) for number in finest]
     if largest[0] > case.nothing(kind) >= largest[-1]:
-        most = 0  # a mesh on which nothing moves gives no speed
-    for pair in pairwise(range(min(len(case.runs), most + 1))):
-        of, to = pair[::-1] if smooth else pair
-        change = np.abs(at(of, of) - at(to, of))
-        own.append(size(change, of) / per)
-        if driven is not None and not nothing:  # largest values at fronts do not converge
-            change += driven(of)[..., field.shown[of]]
-        changes.append(size(change, of) / per)
+        meshes = 0  # a mesh on which nothing moves gives no speed
+    numbers = range(min(len(case.runs) - 1, meshes))
+    more = [0.0 for _ in numbers]
+    if driven is not None and not nothing:  # largest values at fronts do not converge
+        more = [size(driven(n)[..., field.shown[n + 1]], n + 1) / per for n in numbers]
+    floor, most = case.nothing(kind) if nothing else least_error(case), case.largest_order(kind)
+    for to in (0,) if jumps else (1, 0):
+        own = [size(at(n, n + to) - at(n + 1, n + to), n + to) / per for n in numbers]
+        changes = [sum(both) for both in zip(own, more, strict=True)]
+        error = error_bar(changes, floor, most=most, norm=not nothing) if changes else None
+        if error is None or error.converges:
+            break
     added = unseen / per
     if field.doubted is not None:
         added += size(shown(field.doubted, 0) - predicted, 0) / per
     measure, unit = ("largest", unit) if nothing else ("L1", unit_of_norm)
-    numbers = exact, whole, size(at(0, 0), 0), size(at(0, 0) - predicted, 0) / per, None
-    row = Row(f"{name}, {measure}", kind, *numbers, unit, relative=not nothing)
-    floor = case.nothing(kind) if nothing else least_error(case)
-    error = error_bar(changes, floor, most=case.largest_order(kind)) if changes else None
+    values = exact, whole, size(at(0, 0), 0), size(at(0, 0) - predicted, 0) / per, None
+    row = Row(f"{name}, {measure}", kind, *values, unit, relative=not nothing)
     if error and not error.converges and not nothing and showing < len(changes):
         if not showing:
             return replace(row, obstacle=FEW, resolution=case.finer)
         error = error_bar(changes[:showing], floor)
-    diverges = error is not None and not error.converges
     # a pressure that is singular at the edge converges with order 1/2 at best; a field that
     # converges by itself must not be rejected for that
-    if error and diverges and driven is not None and error_bar(own, floor).converges:
+    if error and not error.converges and driven is not None and error_bar(own, floor).converges:
         error = slowest_bar(error, changes, floor)
 
     def before() -> float:

@@ -38,10 +38,11 @@ DIFFERENCE_DIGITS = 2
 
 
 def shown_number(value: float | None, digits: int = 4) -> str:
-    """A number to some significant digits; a dash for None."""
+    """A number to some significant digits, below a million in full; a dash for None."""
     if value is None:
         return "—"
-    return "0" if value == 0 else f"{value:#.{digits}g}".rstrip(".")
+    said = "0" if value == 0 else f"{value:#.{digits}g}".rstrip(".")
+    return f"{float(said):g}" if "e+" in said else said
 
 
 def overall(verdicts: Iterable[str]) -> str:

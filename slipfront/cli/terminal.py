@@ -291,10 +291,11 @@ def references_line(judgement: Judgement | Validation) -> str:
 
 def verdict_lines(judgement: Judgement | Validation) -> Iterator[str]:
     """Yield the verdict, and how far the two answers are apart."""
-    parts = [f"{count} {verdict}" for verdict, count in judgement.counts.items() if count]
-    yield f"Verdict: {judgement.said} ({', '.join(parts) or 'nothing is compared'})."
-    if judgement.quoted:
-        yield f"{judgement.quoted[0].upper()}{judgement.quoted[1:]}."
+    found = judgement.counts.items()
+    rows = ", ".join(f"{count} {verdict.removesuffix('s')}" for verdict, count in found if count)
+    yield f"Verdict: {judgement.said} ({f'rows: {rows}' if rows else 'nothing is compared'})."
+    if quoted := judgement.quoted:
+        yield f"Difference ± error bar: {quoted}." if "±" in quoted else f"{quoted.capitalize()}."
 
 
 def unresolved_lines(

@@ -125,15 +125,6 @@ class LineCase(Case):
         crossing = self.runs[-1].element_size / min(body.shear_speed for body in bodies)
         return passed * max(1, round(RATE_WINDOW * crossing / passed))
 
-    def largest_order(self, kind: str) -> float:
-        """Return the highest order of convergence that is believed of a kind of field.
-
-        Faces that are loaded suddenly start a part of a step late, which is an error of first order
-        in all slip that follows, however fast the rest of it converges.  With 1.25, slip under
-        rate-and-state friction was 1.0 to 1.2 bars off.
-        """
-        return super().largest_order(kind) if kind == "slip rate" else 1.0
-
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
         tractions, which can be singular, only those some elements away from slots."""
@@ -218,7 +209,7 @@ class LineCase(Case):
         if "slip_rate" in self.fields:
             yield from self._edge_rows()
         for name in self.fields:
-            yield map_row(self, name, np.zeros_like(self.seen.slip), smooth=True)
+            yield map_row(self, name, np.zeros_like(self.seen.slip))
         yield from local_rows(self)
         yield from self._law_rows()
         yield from likeness_rows(self)

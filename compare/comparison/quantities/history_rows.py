@@ -92,10 +92,10 @@ def map_rows(case: Case) -> Iterator[Row]:
     yield map_row(case, "slip_rate", np.where(case.narrow & beyond, rate, 0.0))
     if case.opens:
         gap = case.at_nodes.gap
-        yield map_row(case, "gap", np.where(too_narrow(gap > 0), gap, 0.0), smooth=True)
+        yield map_row(case, "gap", np.where(too_narrow(gap > 0), gap, 0.0))
 
 
-def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Row:
+def map_row(case: Case, name: str, unseen: Array) -> Row:
     """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
     `unseen`, (m, n), is how far the prediction at the nodes is uncertain, or too narrow for them.
@@ -129,9 +129,9 @@ def map_row(case: Case, name: str, unseen: Array, *, smooth: bool = False) -> Ro
         both,
         scale,
         unseen=case.size(unseen[np.ix_(late[0], shown)], both.x[0][shown], times[0]) / scale[0],
-        smooth=smooth,
-        driven=(lambda of: case.strength_changes[of][late[of]]) if driven else None,
+        driven=(lambda of: case.strength_changes[of][late[of + 1]]) if driven else None,
         showing=case.showing(name, slice(None)) if name == "slip_rate" else 2,
+        jumps=driven,
     )
 
 

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.case import FIELDS, LEAST_PEAK, WHOLE_STEPS, Case
@@ -40,9 +41,8 @@ NOTABLE = 0.01
 """Part of the largest slip from which on places count."""
 EARLY = 0.2
 """Initial part of the run, over the end time, that is left out."""
-SMOOTH, PASSES = 1e-3, 15
-"""Part of the largest change below which deviations count by their squares, and number of weighted
-fits after which the sum of all larger ones is smallest."""
+SMOOTH = 1e-3
+"""Part of the largest change below which deviations count by their squares."""
 
 
 def likeness_rows(case: Case) -> Iterator[Row]:
@@ -94,14 +94,15 @@ def _excess(case: Case) -> float:
     size = float(np.abs(known[slips]).sum())
     if not size:
         return 0.0
-    fine, half, coarse = (slip(run.interface) for run in case.runs)
-    doubt = 0.0 if case.doubted is None else np.abs(slip(case.doubted) - known)[slips].sum() / size
+    known, before = known[slips], before[slips]
+    fine, half, coarse = (slip(run.interface)[slips] for run in case.runs)
+    doubt = 0.0 if case.doubted is None else np.abs(slip(case.doubted)[slips] - known).sum() / size
     unsure = least_error(case) + float(doubt)
 
     def norm(values: Array) -> float:
-        return float(np.abs(values[slips]).sum()) / size
+        return float(np.abs(values).sum()) / size
 
-    common = norm(_common(coarse - half, known, known - before, slips))
+    common = norm(_common(coarse - half, known, known - before))
     error = norm(coarse - known)
     return max(
         2**LEAST_FALL * norm(half - known) / (error + unsure),
@@ -110,15 +111,15 @@ def _excess(case: Case) -> float:
     )
 
 
-def _common(change: Array, slip: Array, moved: Array, slips: NDArray[np.bool_]) -> Array:
-    """Return the part of a change that is the slip times a factor and its motion times another."""
-    known = np.stack([slip[slips], moved[slips]], axis=1) / np.abs(slip[slips]).max()
-    found, weight = change[slips], np.ones_like(change[slips])
-    least = SMOOTH * float(np.abs(found).max()) + np.finfo(float).tiny
-    factors = np.zeros(2)
-    for _ in range(PASSES):
-        factors = np.linalg.lstsq(known * weight[:, None], found * weight, rcond=None)[0]
-        weight = 1 / np.sqrt(np.maximum(np.abs(found - known @ factors), least))
-    common = np.zeros_like(change)
-    common[slips] = known @ factors
-    return common
+def _common(change: Array, slip: Array, moved: Array) -> Array:
+    """Return the part of a change that is the slip times a factor and its motion times another,
+    which leave the smallest sum of deviations."""
+    known = np.stack([slip, moved], axis=1) / np.abs(slip).max()
+    largest = float(np.abs(change).max()) + np.finfo(float).tiny
+
+    def left(factors: Array) -> Array:
+        return known @ factors - change / largest
+
+    usual: Any = {"jac": lambda _: known, "loss": "soft_l1", "f_scale": SMOOTH}
+    found = scipy.optimize.least_squares(left, np.zeros(2), **usual)
+    return np.asarray(largest * (known @ found.x))

@@ -91,7 +91,7 @@ def _worst(
 def _driven(case: Case, name: str) -> Array:
     """Change of slip rate over V₀, or of slip over V₀ T, due to the change of strength from the
     mesh at 4h to that at 2h, (m, n) at the nodes of the simulation; 0 for other fields."""
-    seen, run = case.seen, case.runs[1].interface
+    seen, run = case.seen, case.runs[2].interface
     if name not in ("slip", "slip_rate") or not case.strength_changes:
         return np.zeros((len(seen.t), len(seen.x)))
     change = case.strength_changes[1]

@@ -51,6 +51,7 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
         scale=(case.rate, "V₀"),
         driven=lambda number: case.strength_changes[number][-1],
         showing=case.showing("slip_rate", LAST),
+        jumps=True,
     )
     yield _end_row(
         case,
@@ -102,7 +103,7 @@ def gap_rows(case: Case) -> Iterator[Row]:
     scale, reach = case.unit("gap")[0], _disturbed(case)
     gap = case.at_nodes.gap[-1:]
     unseen = case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach)
-    yield _end_row(case, "gap", reach, unseen=unseen, smooth=True, most=case.showing("gap", LAST))
+    yield _end_row(case, "gap", reach, unseen=unseen, meshes=case.showing("gap", LAST))
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
@@ -148,8 +149,8 @@ def traction_rows(case: Case) -> Iterator[Row]:
 
 def _driven_by(case: Case, part: int, number: int) -> Array:
     """Change of slip over V₀ T (part 0) or of work per area over τ₀ V₀ T (1) due to the change of
-    strength from one mesh to the next, (n,) at the nodes of a run."""
-    run, rate = case.runs[number].interface, case.strength_changes[number]
+    strength from one mesh to the next, (n,) at the nodes of the coarser run."""
+    run, rate = case.runs[number + 1].interface, case.strength_changes[number]
     if part:
         rate = rate * np.abs(run.shear_traction) / case.stress
     return np.asarray(np.trapezoid(rate, run.t, axis=0)) / case.end_time

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +45,8 @@ def slot_rows(case: Case) -> Iterator[Row]:
         faces = [rows[here][::-1] for rows, here in zip(recorded, shown, strict=True)]
         known = [np.asarray(fields[part]) for fields in expected]
         both = Compared(x, every, _of_run(faces), known.__getitem__)
-        scale = case.rate, "V₀", "V₀ c_t T"
-        row = field_row(case, f"{name} of the slot face", "slot", both, scale, most=most)
+        how: Any = {"scale": (case.rate, "V₀", "V₀ c_t T"), "meshes": most, "jumps": True}
+        row = field_row(case, f"{name} of the slot face", "slot", both, **how)
         if row.relative:
             yield replace(row, exact=row.at_nodes)
 

@@ -311,5 +311,5 @@ def test_an_interface_on_which_nothing_happens_agrees(tmp_path, capsys):
     )
     main(["compare", str(path), "--mesh-nodes", "64", "--quiet"])
     shown = " ".join(capsys.readouterr().out.split())
-    assert shown.startswith("Verdict: agrees (4 agrees).")
+    assert shown.startswith("Verdict: agrees (rows: 4 agree).")
     assert "Nothing slips or opens in either answer, and no traction changes." in shown

@@ -71,9 +71,9 @@ def judgement(*rows):
 def test_the_verdict_says_first_what_is_quoted_of_a_comparison():
     """Bars above a tenth of what is compared stand beside the word; what is not known is said."""
     assert list(verdict_lines(judgement(*ROWS))) == [
-        "Verdict: agrees within ± 25 % of largest gap (5 agrees, 2 unresolved).",
-        "Slip 3.0 ± 4.0 %, slip rate 1.0 ± 2.0 % (unresolved), gap 0.10 ± 0.50, "
-        "edges 0.0020 ± 0.010 c_t.",
+        "Verdict: agrees within ± 25 % of largest gap (rows: 5 agree, 2 unresolved).",
+        "Difference ± error bar: slip 3.0 ± 4.0 %, slip rate 1.0 ± 2.0 % (unresolved), "
+        "gap 0.10 ± 0.50, edges 0.0020 ± 0.010 c_t.",
     ]
     worse = replace(ROWS[0], difference=0.2)
     assert next(verdict_lines(judgement(worse, *ROWS[1:]))).startswith("Verdict: differs (")
