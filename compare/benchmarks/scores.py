@@ -22,7 +22,6 @@ from compare.records.names import not_read
 from compare.records.read import MESHES, binary_reader, read_records
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
-from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import lines_of
 
@@ -49,7 +48,7 @@ class Score:
     ----------
     file, sheet : str
     verdict : str
-        Verdict of `validate` on the whole run; "" unless it is a scene with a slot in one solid.
+        Verdict of `validate` on the whole run.
     quantity : str
         One of `QUANTITIES`, or "arrival".
     error : float
@@ -138,9 +137,7 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
         raise DataFileError(
             f"{records.source} has no station at x = {places} and 0 < t <= {end:g}; record there."
         )
-    verdict = ""
-    if scene := _slot_in_one_solid(sheet):
-        verdict = validate(records, scene, conventions=_STATED).verdict
+    verdict = validate(records, sheet.problem, conventions=_STATED).verdict
     notes = (*records.notes, *not_read(records.unread))
     left = {
         "stations that the sheet does not have": len(records.stations) - len(near),
@@ -206,9 +203,8 @@ def _relative_error(
     """Relative L1 error of a quantity, means of slip rate over a step; nan where none has it."""
     wrong = whole = unit = 0.0
     # what an error is relative to where the answer is zero, as it is nowhere but in scenes
-    scene = _slot_in_one_solid(sheet)
     scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
-    size = scale(scene) if scene else 1.0
+    size = scale(sheet.problem)
     for station in stations:
         step = step if name == "slip_rate" else 0.0
         t, values, exact = _both(answer, station, name, step)
@@ -220,13 +216,6 @@ def _relative_error(
             unit += size * float(t[-1] - t[0])
     whole = whole if whole > NOTHING * unit else unit
     return wrong / whole if whole else math.nan
-
-
-def _slot_in_one_solid(sheet: Sheet) -> Scene | None:
-    """Return the scene of a sheet if it is one that `validate` takes."""
-    scene = sheet.problem
-    taken = scene.has_slot and not scene.on_line and scene.lower_material is None
-    return scene if taken else None
 
 
 def _both(

@@ -150,7 +150,8 @@ def known_columns(
                 f"{path} has no column {column!r}; choose among {', '.join(names) or 'none'}."
             )
         places[kind] = list(names).index(column)
-    times = "t" in told or any(kinds.get(pure) == "t" for pure, unit in split if unit != "s")
+    others = (pure for name, (pure, _) in zip(names, split, strict=True) if name not in SEISSOL)
+    times = "t" in told or any(kinds.get(pure) == "t" for pure in others)
     if times:  # what SeisSol calls T_s is then no time in seconds
         split = [(n, "") if n in SEISSOL else pair for n, pair in zip(names, split, strict=True)]
     changes = {

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.records.names import NOISE, Columns, known_columns, named_unit, no_columns, unit_of
-from compare.records.record import AFTER, Array, ReadingOptions, Record, Records, Unit
+from compare.records.names import NOISE, Columns, dimensions_of, known_columns, no_columns, unit_of
+from compare.records.record import AFTER, Array, ReadingOptions, Record, Records, Stated, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
@@ -50,7 +50,8 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     names = table.names or _bare_names(table, alone=at is not None or bool(_SCEC.search(path.name)))
     units = _units_of_comments(table, names)
     gauges = _gauges(table, names, options)
-    others = ["" if place in gauges.values() else name for place, name in enumerate(names)]
+    taken = [place for place, _ in gauges.values()]
+    others = ["" if place in taken else name for place, name in enumerate(names)]
     known = known_columns(path, others, options.columns, table.line, units, bodies=True)
     if "t" not in known.places:
         raise DataFileError(
@@ -105,18 +106,26 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     return Records((record,), None, source, tuple(notes), spacing, stated, unread=unread), True
 
 
-def _gauges(table: NamedColumns, names: Sequence[str], options: ReadingOptions) -> dict[str, int]:
-    """The column of each gauge, whose heading is its name, or its name and a unit in brackets."""
-    bare = [split_heading(name, lambda _: ())[0] for name in names]
+def _gauges(
+    table: NamedColumns, names: Sequence[str], options: ReadingOptions
+) -> dict[str, tuple[int, float]]:
+    """Column of each gauge, whose heading is its name, maybe with a unit, and the factor to SI."""
     places = {}
-    for gauge in options.gauges:
-        there = [place for place, name in enumerate(bare) if gauge in (name, names[place])]
+    for gauge, (quantity, *_) in options.gauges.items():
+
+        def dimensions(stem: str, gauge: str = gauge, quantity: str = quantity) -> tuple[str, ...]:
+            return dimensions_of(quantity) if stem == gauge else ()
+
+        split = [split_heading(name, dimensions) for name in names]
+        there = [n for n, (bare, _) in enumerate(split) if gauge in (bare, names[n])]
         if len(there) != 1:
             has, change = f"{len(there)} columns", "rename them"
             if not there:
                 has, change = "no column", f"choose among {', '.join(names)}"
             raise DataFileError(f"{table.path} has {has} {gauge!r} of a gauge; {change}.")
-        places[gauge] = there[0]
+        where = f"the name of {names[there[0]]!r}"
+        unit = unit_of(table.path, table.line, where, split[there[0]][1], quantity)
+        places[gauge] = there[0], unit.size if unit else 1.0
     return places
 
 
@@ -124,7 +133,7 @@ def _records_of_gauges(
     table: NamedColumns,
     names: Sequence[str],
     options: ReadingOptions,
-    gauges: Mapping[str, int],
+    gauges: Mapping[str, tuple[int, float]],
     known: Columns,
 ) -> Records:
     """Records of a table with a column for each gauge."""
@@ -132,24 +141,15 @@ def _records_of_gauges(
     stations: list[Record] = []
     points: list[Record] = []
     notes: list[str] = []
-    for gauge, place in gauges.items():
+    for gauge, (place, size) in gauges.items():
         quantity, x, y = options.gauges[gauge]
-        unit = named_unit(table.path, names[place], quantity)
-        values = table.rows[:, place] * (unit.size if unit else 1.0)
-        record, mended = station(table.path, x, t, {quantity: values})
+        record, mended = station(table.path, x, t, {quantity: size * table.rows[:, place]})
         (points if quantity in FIELDS else stations).append(replace(record, y=y, name=gauge))
         notes += mended
-    return Records(
-        tuple(stations),
-        source=str(table.path),
-        notes=tuple(dict.fromkeys(notes)),
-        points=tuple(points),
-        unread=tuple(
-            name
-            for place, name in enumerate(names)
-            if place not in (known.places["t"], *gauges.values())
-        ),
-    )
+    taken = (known.places["t"], *(place for place, _ in gauges.values()))
+    unread = tuple(name for place, name in enumerate(names) if place not in taken)
+    parts = tuple(dict.fromkeys(notes)), None, Stated(), tuple(points), unread
+    return Records(tuple(stations), None, str(table.path), *parts)
 
 
 def _units_of_comments(table: NamedColumns, names: Sequence[str]) -> dict[str, str]:

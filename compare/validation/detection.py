@@ -17,7 +17,14 @@ import numpy as np
 
 from compare.records.record import AFTER, BEFORE, QUANTITIES, Array, Records
 from compare.validation.conventions import WORDS, Conventions
-from compare.validation.exact import POINT, Exact, Sampling, exact_answer
+from compare.validation.exact import (
+    POINT,
+    Exact,
+    Sampling,
+    compared,
+    exact_answer,
+    farthest,
+)
 from compare.validation.norms import pooled, station_norm, weights
 from compare.validation.readings import (
     TRACTIONS,
@@ -81,7 +88,8 @@ class Detection:
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
     """How a run is to be read; what is stated holds, and what is inferred is said."""
     given = given_reading(conventions, run.stated, scene)
-    read, right = given.apply(run), [record for record in run.stations if record.x > 0]
+    read = given.apply(run)
+    right = [one for one in run.stations if scene.contact.touches([given.place(one)])[0]]
     some = np.unique(np.linspace(0, len(right) - 1, LOOKED_AT).round().astype(int))
     looked_at = replace(run, stations=tuple(right[place] for place in some if right))
     end = last_time(read)
@@ -109,10 +117,11 @@ def last_time(run: Records) -> float:
 
 def _reach(run: Records, scene: Scene, end: float) -> float:
     """The farthest position that is compared [length]."""
-    farthest = scene.material.longitudinal_speed * end
-    places = [record.x for record in run.stations]
-    places += [] if run.arrivals is None else run.arrivals[0].tolist()
-    return max((place for place in places if 0 < place <= farthest), default=0.1 * farthest)
+    places = np.array([record.x for record in run.stations])
+    if run.arrivals is not None:
+        places = np.append(places, run.arrivals[0])
+    there = np.abs(places[compared(scene, places, end)])
+    return float(there.max() if len(there) else 0.1 * farthest(scene, end))
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +130,9 @@ class WeighedColumn:
 
     Attributes
     ----------
-    values, weight, expected : ndarray, shape (n,)
-        Numbers of the file, zero in gaps; weights of samples, zero in gaps; exact values.
+    values, weight, expected, base : ndarray, shape (n,)
+        Numbers of the file, zero in gaps; weights of samples, zero in gaps; exact values, and
+        what they are before any wave.
     unit : float
         That of the quantity, as in `Exact.unit`.
     """
@@ -130,26 +140,32 @@ class WeighedColumn:
     values: Array
     weight: Array
     expected: Array
+    base: Array
     unit: float
 
-    def tells(self, base: float = 0.0) -> bool:
-        """Whether the answer has something to say of the quantity, besides its base."""
-        return self.size(base) > TELLING * self.unit * float(self.weight.sum())
+    def tells(self, based: bool = False) -> bool:
+        """Whether the answer has something to say of the quantity, or besides its base."""
+        return self.size(based) > TELLING * self.unit * float(self.weight.sum())
+
+    def read(self, reading: Conversion, name: str) -> Array:
+        """The numbers in units and conventions of the scene."""
+        base = self.base if name in reading.bases else 0.0
+        return reading.factor(name) * self.values + base
 
     def left(self, reading: Conversion, name: str) -> float:
         """Relative error of the numbers as they are read, of what changes from the base.
 
         Where nothing does, over the quantity with its base, or over its unit.
         """
-        factor, base = reading.factor(name), reading.offset(name)
-        size = self.size(base)
-        if not self.tells(base):
-            size = max(self.size(0.0), self.unit * float(self.weight.sum()))
-        return float(self.weight @ np.abs(factor * self.values + base - self.expected)) / size
+        based = name in reading.bases
+        size = self.size(based)
+        if not self.tells(based):
+            size = max(self.size(), self.unit * float(self.weight.sum()))
+        return float(self.weight @ np.abs(self.read(reading, name) - self.expected)) / size
 
-    def size(self, base: float) -> float:
-        """Integral of the exact |quantity less its base|."""
-        return float(self.weight @ np.abs(self.expected - base))
+    def size(self, based: bool = False) -> float:
+        """Integral of the exact |quantity|, or of that less its base."""
+        return float(self.weight @ np.abs(self.expected - (self.base if based else 0.0)))
 
 
 Columns = Mapping[str, WeighedColumn]
@@ -157,19 +173,20 @@ Columns = Mapping[str, WeighedColumn]
 
 def _columns_of(run: Records, exact: Exact, reading: Conversion) -> Columns:
     """The quantities of a file, whose positions and times are read by a reading."""
-    speed, columns = exact.scene.material.longitudinal_speed, {}
+    scene, columns = exact.scene, {}
     records = [row.taken(slice(None, None, max(len(row.t) // SAMPLES, 1))) for row in run.stations]
     for name in QUANTITIES:
         parts = []
         for record in (candidate for candidate in records if name in candidate.values):
             x, t, values = reading.place(record), reading.times(record), record.values[name]
             weight = weights(t, values)
-            if x <= speed * t[-1] and weight.any():
+            if compared(scene, [x], t[-1])[0] and weight.any():
                 known = np.where(weight > 0, values, 0.0)
-                parts.append((known, weight, exact.record(name, x, t)))
+                base = np.full(len(t), base_of(scene, name, x))
+                parts.append((known, weight, exact.record(name, x, t), base))
         if parts:
-            values, weight, expected = map(np.concatenate, zip(*parts, strict=True))
-            columns[name] = WeighedColumn(values, weight, expected, exact.unit(name))
+            values, weight, expected, base = map(np.concatenate, zip(*parts, strict=True))
+            columns[name] = WeighedColumn(values, weight, expected, base, exact.unit(name))
     return columns
 
 
@@ -191,7 +208,7 @@ def _weighed(run: Records, given: Detection, conventions: Conventions) -> Detect
     for words in _combinations(run, conventions):
         reading = given_reading(replace(conventions, **words), run.stated, scene)
         known = any(_alike(reading, other, columns) for _, other in fitting)
-        if not known and _explains(reading, words, columns, scene):
+        if not known and _explains(reading, words, columns):
             fitting.append((words, reading))
     if not fitting:
         return replace(found, notes=tuple(_hint(given, as_given, columns, run)))
@@ -215,28 +232,29 @@ def _combinations(run: Records, conventions: Conventions) -> Iterator[dict[str, 
             yield {name: WORDS[name][1] for name in names}
 
 
-def _explains(
-    reading: Conversion, words: Mapping[str, str], columns: Columns, scene: Scene
-) -> bool:
+def _explains(reading: Conversion, words: Mapping[str, str], columns: Columns) -> bool:
     """Whether a reading leaves little of every quantity.
 
     Tractions are changes only if one with a base changes, and its numbers alone do not explain it.
     """
     if max(_left_by(reading, columns).values()) >= LITTLE:
         return False
-    bare = replace(reading, offsets={})
+    bare = replace(reading, bases={})
     return "tractions" not in words or any(
-        columns[name].tells(base) and columns[name].left(bare, name) > LITTLE
+        columns[name].tells(based=True) and columns[name].left(bare, name) > LITTLE
         for name in TRACTIONS
-        if name in columns and (base := base_of(scene, name))
+        if name in columns and columns[name].base.any()
     )
 
 
-def _alike(unit: Conversion, other: Conversion, columns: Columns) -> bool:
+def _alike(reading: Conversion, other: Conversion, columns: Columns) -> bool:
     """Whether two readings are the same in all that the answer has something to say of."""
     return all(
-        (unit.factor(name), unit.offset(name)) == (other.factor(name), other.offset(name))
-        or not column.tells(other.offset(name))
+        (
+            reading.factor(name) == other.factor(name)
+            and ((name in reading.bases) == (name in other.bases) or not column.base.any())
+        )
+        or not column.tells(name in other.bases)
         for name, column in columns.items()
     )
 
@@ -246,8 +264,8 @@ def _hint(
 ) -> Iterator[str]:
     """One sentence on positions, times or quantities that are off by a factor, if any are."""
     reading, exact = given.reading, given.exact
-    farthest = exact.scene.material.longitudinal_speed * exact.end_time
-    nearness = max(map(reading.place, run.stations), default=0.0) / farthest
+    places = (abs(reading.place(one)) for one in run.stations)
+    nearness = max(places, default=0.0) / farthest(exact.scene, exact.end_time)
     if 0 < nearness < NEAREST:
         yield (
             f"the outermost station lies at {nearness:.2g} of the distance that waves travel until "
@@ -255,7 +273,7 @@ def _hint(
         )
         return
     ratios = {
-        name: float(column.weight @ np.abs(reading.read(name, column.values))) / column.size(0.0)
+        name: float(column.weight @ np.abs(column.read(reading, name))) / column.size()
         for name, column in columns.items()
         if as_given[name] >= LITTLE and column.tells()
     }

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
-from semianalytic import Marched, Scene, Solution, solve
+from semianalytic import Scene, solve
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer, method_of
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""
 CLOSEST = 0.25
-"""Part of the distance to the edge that a station is moved to at most."""
+"""Part of the distance to an end of the contact that a station is moved to at most."""
 MARCH_NODES = 800
 
 
@@ -49,7 +49,7 @@ class Exact:
     Attributes
     ----------
     scene : Scene
-    answer : Solution or Marched
+    answer : Answer
     end_time : float
         T, that of the last record [time].
     """
@@ -62,7 +62,7 @@ class Exact:
     )
 
     def record(self, name: str, x: float, t: Array, sampling: Sampling = AT_TIME) -> Array:
-        """One of `QUANTITIES` at a position x > 0 and times t (n,), in units of the scene.
+        """One of `QUANTITIES` at a position of the contact and times t (n,), in units of the scene.
 
         Slip rate may be a mean over steps.
         """
@@ -90,9 +90,12 @@ class Exact:
     def smeared(self, name: str, x: float, t: Array, band: float) -> tuple[Array, ...]:
         """Return records that a grid may see instead: a band [length] early, late, near and far."""
         late = band / self.scene.material.shear_speed
-        near = max(x - band, CLOSEST * x)
+        half = self.scene.period / 2
+        ends = next((one for one in self.scene.contact.intervals if one[0] < x < one[1]), (x, x))
+        begin, end = (CLOSEST * x + (1 - CLOSEST) * one for one in np.clip(ends, -half, half))
         records = [self.record(name, x, t + shift) for shift in (-late, late)]
-        return (*records, *(self.record(name, place, t) for place in (near, x + band)))
+        places = max(x - band, begin), min(x + band, end)
+        return (*records, *(self.record(name, place, t) for place in places))
 
     def unit(self, name: str) -> float:
         """Return the unit of a quantity: τ₀, V₀ or V₀ T."""
@@ -110,10 +113,26 @@ class Exact:
         return float(getattr(self.answer, "error_estimate", 0.0)) * self.unit(name)
 
 
+def farthest(scene: Scene, end_time: float) -> float:
+    """Return how far from x = 0 a record until an end time may be compared [length]."""
+    if scene.on_line:
+        return scene.period / 2
+    return max(body.longitudinal_speed for body in scene.bodies) * end_time
+
+
+def compared(scene: Scene, x: ArrayLike, end_time: float) -> NDArray[np.bool_]:
+    """Return which positions (n,) lie on the contact, where waves come until an end time."""
+    x = np.asarray(x, dtype=float)
+    return scene.contact.touches(x) & (np.abs(x) <= farthest(scene, end_time))
+
+
 def exact_answer(scene: Scene, end_time: float, reach: float) -> Exact:
     """Solve a scene for records until an end time [time] and as far as `reach` [length]."""
     if chosen(scene).name == "self-similar":
-        answer: Solution | Marched = solve(scene)
+        answer: Answer = solve(scene)
+    elif scene.on_line:
+        answer = solve(scene, end_time=end_time)
+        scene = answer.scene  # whose line has a length
     else:
         length = max(1.25 * reach, scene.material.shear_speed * end_time)
         answer = solve(scene, end_time=end_time, nodes=MARCH_NODES, length=length)

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
 
 from compare.records.record import Array, Record, Records, Stated
 from compare.validation.conventions import Conventions
 from compare.validation.exact import AT_TIME, Sampling
 from semianalytic import Scene
+from semianalytic.scene.laws.sampling import sampled
+from semianalytic.scene.line.loads import InterfaceLoad
+from semianalytic.scene.loading import Tractions
 
 MOTION = ("slip_rate", "slip")
 TRACTIONS = ("shear_traction", "pressure")
@@ -27,23 +33,24 @@ class Conversion:
 
     Attributes
     ----------
-    factors, offsets : mapping from str to float
-        By quantity, "x" and "t"; 1 and 0 unless given.
+    factors : mapping from str to float
+        By quantity, "x" and "t"; 1 unless given.
+    bases : mapping from str to callable
+        What is added to changes of tractions, as a function of x, by quantity.
+    shift : float
+        What is added to times.
     sampling : Sampling
         Meaning of a slip rate.
     """
 
     factors: Mapping[str, float] = field(default_factory=dict)
-    offsets: Mapping[str, float] = field(default_factory=dict)
+    bases: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
+    shift: float = 0.0
     sampling: Sampling = AT_TIME
 
     def factor(self, name: str) -> float:
         """The factor that a column is multiplied by."""
         return self.factors.get(name, 1.0)
-
-    def offset(self, name: str) -> float:
-        """The offset that is added to it then."""
-        return self.offsets.get(name, 0.0)
 
     def place(self, record: Record) -> float:
         """Return the position of a record of the file in units of the scene [length]."""
@@ -51,13 +58,14 @@ class Conversion:
 
     def times(self, record: Record) -> Array:
         """Return the times of a record of the file in units of the scene [time]."""
-        return self.read("t", record.t)
+        return record.t * self.factor("t") + self.shift
 
     def apply(self, run: Records) -> Records:
         """A run in units and conventions of the scene."""
         arrivals = run.arrivals
         if arrivals is not None:
-            arrivals = self.read("x", arrivals[0]), self.read("t", arrivals[1])
+            x, t = arrivals
+            arrivals = x * self.factor("x"), t * self.factor("t") + self.shift
         return replace(
             run,
             stations=tuple(self._record(record) for record in run.stations),
@@ -65,16 +73,13 @@ class Conversion:
             spacing=None if run.spacing is None else run.spacing * self.factor("x"),
         )
 
-    def read(self, name: str, values: Array) -> Array:
-        """Return numbers of a column in units and conventions of the scene."""
-        return values * self.factor(name) + self.offset(name)
-
     def _record(self, record: Record) -> Record:
-        return Record(
-            self.place(record),
-            self.times(record),
-            {name: self.read(name, values) for name, values in record.values.items()},
-        )
+        x = self.place(record)
+        values = {
+            name: one * self.factor(name) + (self.bases[name](x) if name in self.bases else 0.0)
+            for name, one in record.values.items()
+        }
+        return Record(x, self.times(record), values)
 
 
 def turn_words(conventions: Mapping[str, str], recorded: Collection[str]) -> Iterator[str]:
@@ -94,23 +99,35 @@ def given_reading(conventions: Conventions, stated: Stated, scene: Scene) -> Con
         factors[name] *= sign * (2.0 if conventions.slip in ("half", "face") or alone else 1.0)
     factors["shear_traction"] *= sign
     factors["pressure"] *= -1.0 if conventions.pressure == "tension" else 1.0
-    offsets = {"t": conventions.time_shift}
-    for name in TRACTIONS:
-        if conventions.tractions == "changes" or (
-            name in stated.changes and conventions.tractions is None
-        ):
-            offsets[name] = base_of(scene, name)
+    bases = {
+        name: partial(base_of, scene, name)
+        for name in TRACTIONS
+        if conventions.tractions == "changes"
+        or (name in stated.changes and conventions.tractions is None)
+    }
     sampling = AT_TIME if conventions.rate is None else Sampling(conventions.rate)
     if conventions.rate is None and stated.mean:
         step = None if stated.step is None else stated.step * factors["t"]
         sampling = Sampling(stated.mean, step)
-    return Conversion(factors, offsets, sampling)
+    return Conversion(factors, bases, conventions.time_shift, sampling)
 
 
-def base_of(scene: Scene, name: str) -> float:
-    """A quantity where no wave from the slot has come yet: a traction [stress], or nothing.
+def base_of(scene: Scene, name: str, x: float) -> float:
+    """A traction at x where no wave has come yet [stress]; 0 of all else.
 
     A load from afar is on the contact from t = 0 on, so that it counts as base.
     """
-    held = scene.superposition.in_place
-    return {"shear_traction": held.shear, "pressure": held.pressure}.get(name, 0.0)
+    if name not in TRACTIONS:
+        return 0.0
+    sudden = scene.has_slot and not scene.on_line and not scene.grows
+    held = scene.superposition.in_place if sudden else scene.base
+    traction = getattr(held, "shear" if name == "shear_traction" else name)
+    return float(sampled(name, traction, np.array([x]))[0]) if scene.on_line else traction
+
+
+def faces_are_mirrored(scene: Scene) -> bool:
+    """Whether slip is twice the motion of one face: bodies are alike, and shear acts alone."""
+    loads = scene.load if isinstance(scene.load, tuple) else (scene.load,)
+    return scene.lower_material is None and all(
+        isinstance(one, Tractions | InterfaceLoad) and not one.pressure for one in loads
+    )

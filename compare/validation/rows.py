@@ -18,7 +18,7 @@ from compare.comparison.rows import UNRESOLVED
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation.bars import ALARM, SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
-from compare.validation.exact import Exact
+from compare.validation.exact import Exact, compared
 from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
 
@@ -49,6 +49,7 @@ NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
 )
+CREEP = "the contact creeps, so slowly over V₀ that slip is not judged"
 
 
 def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[JudgedRow]:
@@ -83,7 +84,10 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
         return
     whole = pooled([norm for _, norm in known])
     sizes = [norm.exact if norm.exact > NOTHING else 1.0 for _, norm in known]
-    obstacle = ONE_FACE if face and name in ("slip", "slip_rate") else ""
+    obstacle = ""
+    if name in ("slip", "slip_rate"):
+        slow = 0.0 < whole.exact <= NOTHING and exact.scene.on_line
+        obstacle = ONE_FACE if face else CREEP if slow else ""
     bars = [
         station_bar(grids, record, name, exact, whole.exact / size)
         for (record, _), size in zip(known, sizes, strict=True)
@@ -156,7 +160,7 @@ def _cells(grids: Grids, exact: Exact, bar: Bar) -> int | None:
     if not grids.spacing or bar.whole is None or bar.grid is None or bar.whole <= TELLING:
         return None
     room = TELLING - bar.data - bar.answer
-    if room <= 0:
+    if room <= 0 or math.isinf(bar.grid):
         return None
     length = exact.scene.material.shear_speed * exact.end_time
     return int(np.ceil(length / grids.spacing * bar.grid / room))
@@ -166,7 +170,7 @@ def chosen_stations(places: Sequence[float], exact: Exact) -> list[int]:
     """Stations that have rows of their own."""
     if len(places) <= len(PLACES):
         return list(range(len(places)))
-    over = np.array([_over(place, exact) for place in places])
+    over = np.abs([_over(place, exact) for place in places])
     return sorted({nearest(over, place) for place in PLACES})
 
 
@@ -180,7 +184,7 @@ def arrival_rows(grids: Grids, exact: Exact, threshold: float | None) -> Iterato
     least = threshold or THRESHOLD * stress_scale(exact.scene) / material.shear_impedance
     least = max(least, NOISY * grids.noise.get("slip_rate", 0.0))
     runs = [_arrivals(run, least) for run in grids.runs]
-    places = [x for x in sorted(runs[0]) if 0 < x <= exact.end_time * material.longitudinal_speed]
+    places = [x for x in sorted(runs[0]) if compared(exact.scene, [x], exact.end_time)[0]]
     chosen = [places[place] for place in chosen_stations(places, exact)]
     for x in chosen:
         onset = Onset(exact, x, least)

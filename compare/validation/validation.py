@@ -16,15 +16,16 @@ from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions
 from compare.validation.data import Data, as_runs
 from compare.validation.detection import Detection, detect
-from compare.validation.exact import Exact
+from compare.validation.exact import Exact, compared, farthest
 from compare.validation.grids import Grids, arranged, profile_spacing
 from compare.validation.norms import Norm, pooled
+from compare.validation.readings import faces_are_mirrored
 from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.given.finding import scene_of_one_solid
+from semianalytic.scene.given.finding import any_scene
 from semianalytic.scene.units import InSI
 
 CONVERTED = "agrees after conversion"
@@ -146,7 +147,7 @@ def validate(
     SceneError
         If spacings do not fit, or a march cannot follow the scene.
     """
-    scene = scene_of_one_solid("validate", scene)
+    scene = any_scene("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
     last = detect(runs[-1], scene, conventions)
@@ -167,9 +168,9 @@ def validate(
         conventions.slip is None and any(run.stated.faces for run in runs)
     ):
         notes.append(ONE_FACE)
-        face = bool(scene.superposition.taken_off.pressure)
+        face = not faces_are_mirrored(scene)
     if face:
-        notes.append("pressure acts here and moves both faces alike: rows of slip are not resolved")
+        notes.append("faces do not move alike here: rows of slip are not resolved")
     notes += [*(note for _, left in reached for note in left), *guessed]
     exact = last.exact
     return Validation(
@@ -247,15 +248,18 @@ def _with_rates(run: Records, conventions: Conventions) -> Records:
 def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, ...]]:
     """A run without stations off the contact, or that no wave has reached by the end."""
     exact = detection.exact
-    farthest = exact.scene.material.longitudinal_speed * exact.end_time
-    kept = tuple(r for r in run.stations if 0 < r.x <= farthest and len(r.t))
+    far = farthest(exact.scene, exact.end_time)
+    kept = tuple(
+        r for r in run.stations if len(r.t) and compared(exact.scene, [r.x], exact.end_time)[0]
+    )
     if not kept and run.arrivals is None:
         places = [record.x for record in run.stations]
+        begin = max(exact.scene.contact.intervals[0][0], -far)
         raise DataFileError(
             f"{run.source or 'validate'}: no station lies on the contact where waves come until "
             f"t = {exact.end_time:.4g} (positions {min(places, default=0):.4g} to "
-            f"{max(places, default=0):.4g}, of 0 to {farthest:.4g}); give the unit of "
-            "positions or of times (scale)."
+            f"{max(places, default=0):.4g}, of {begin:.4g} to {far:.4g}); give the "
+            "unit of positions or of times (scale)."
         )
     dropped = len(run.stations) - len(kept)
     notes = []

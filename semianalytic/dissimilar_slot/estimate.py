@@ -38,7 +38,13 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     rates, others = _rates(fine), _rates(coarse)
     scale = np.abs(rates).max(axis=0)
     of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
-    changes = [shifts, left, of_rates, _traction_change(fine.interface, finer.values, other.values)]
+    # The traction of a film, over itself, what it changes the base by, and the load.
+    loads = fine.interface
+    film = 2.0 * loads.resistance * np.abs(rates[:, 0]) + abs(loads.load_shear)
+    film += loads.friction * loads.base_pressure
+    of_film = loads.resistance * np.abs(rates - others)[:, 0] / np.where(film > 0, film, 1.0)
+    at_edges = _traction_change(loads, finer.values, other.values)
+    changes = [shifts, left, of_rates, of_film, at_edges]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
 

@@ -225,8 +225,14 @@ def _slot_error(marched: Marched) -> float:
     if apart.slip_rate == 0:
         return math.inf if apart.difference or missed_zone(marched) is not None else 0.0
     # Both marches share the error of the memory's transform, which their difference does not show.
-    of_grids = safety(known.order) * apart.share + MEMORY_SAFETY * known.memory.error
-    return of_grids + film_share(marched) + marched._hidden
+    factor, companion = safety(known.order), marched.companion
+    of_grids = factor * apart.share + MEMORY_SAFETY * known.memory.error
+    # Errors are relative to the true slip rate, which is less than that of the march by about as
+    # much, with the same factor, as the companion slips more.
+    marches = (marched, companion or marched)
+    own, coarser = (float(march.totals.accumulated_slip[-1]) for march in marches)
+    over = factor * max(coarser / own - 1.0, 0.0) if own else 0.0
+    return (of_grids + film_share(marched) + marched._hidden) * (1.0 + over)
 
 
 def line_caution(scene: Scene, nodes: int, end_time: float) -> str:

@@ -102,7 +102,10 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
-        if ax is not None and not all(hasattr(panel, "pcolormesh") for panel in np.ravel(ax)):
+        axes = ax if isinstance(ax, list | tuple) else np.ravel(ax)
+        if ax is not None and not (
+            len(axes) and all(hasattr(panel, "pcolormesh") for panel in axes)
+        ):
             raise SceneError(f"plot: ax must be Axes of matplotlib, got {shown(ax)}.")
         return drawn(self, ax, t)
 

@@ -186,7 +186,7 @@ def check_keys(
             close = difflib.get_close_matches(key, known, n=1)
             others = f"known are {', '.join(known) or 'none'} (docs/not_here.md)."
             hint = f"did you mean {close[0]}?" if close else others
-            raise SceneError(f"unknown key {prefix}{key}; {hint}")
+            raise SceneError(f"unknown key {prefix}{shown(key)[1:-1]}; {hint}")
     for key in needed:
         if key not in table:
             raise SceneError(f"{prefix}{key} is missing.")

@@ -114,7 +114,7 @@ class Patch(LineLoad):
     shear: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.speed == 0:
+        if isinstance(self.speed, int | float) and self.speed == 0:
             raise SceneError(
                 "patch: its ends must move; for a load that stays on a stretch give an "
                 "InterfaceLoad, a function of x, and the contact of the scene."

@@ -12,13 +12,11 @@ import numpy as np
 from compare.records.names import NOISE
 from compare.records.read import read_records
 from compare.records.record import AFTER, Array, Placed, ReadingOptions, Record, Records
-from compare.validation.readings import base_of
+from compare.validation.readings import base_of, faces_are_mirrored
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
-from semianalytic.scene.laws.sampling import sampled
-from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
 
 Subject = Scene | None
@@ -164,7 +162,7 @@ def _of_run(
             _check_changes(run, scene, fitted)
             notes[f"{quantity}: changes since t = 0, the base of the scene is added"] = None
         for record in there:
-            base = _base(scene, quantity, record.x) if changes else 0.0
+            base = base_of(scene, quantity, record.x) if changes and scene else 0.0
             here = np.isfinite(record.values[quantity])
             t, values = record.t[here] + shift, factor * record.values[quantity][here] + base
             known = record.noise.get(quantity)
@@ -176,14 +174,7 @@ def _of_run(
 
 def _check_faces(run: Records, scene: Subject) -> None:
     """Refuse motion of one face where slip is not twice that."""
-    if not run.stated.faces or scene is None:
-        return
-    loads = scene.load if isinstance(scene.load, tuple) else (scene.load,)
-    alike = scene.lower_material is None
-    sheared = all(
-        isinstance(load, Tractions) or type(load).__name__ == "InterfaceLoad" for load in loads
-    ) and not any(getattr(load, "pressure", 0.0) for load in loads)
-    if not (alike and sheared):
+    if run.stated.faces and scene is not None and not faces_are_mirrored(scene):
         raise DataFileError(
             f"{run.source} holds the motion of one face alone, and slip is twice that only where "
             "both bodies are alike and shear acts alone; give both faces."
@@ -204,15 +195,6 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
             f"{run.source} holds changes of tractions since t = 0, which do not say "
             f"{', '.join(unknown)}; leave that out of --parameters, or give the tractions."
         )
-
-
-def _base(scene: Subject, quantity: str, x: float) -> float:
-    """A traction at x before any load [stress]."""
-    assert scene is not None
-    if not scene.on_line:
-        return base_of(scene, quantity)
-    field = getattr(scene.base, "shear" if quantity == "shear_traction" else quantity)
-    return float(sampled(quantity, field, np.array([x]))[0])
 
 
 def _maker(

@@ -256,13 +256,14 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "counts": COUNTS,
             "reading": Key(
                 "how the numbers of the file were read: what was inferred, the options that state "
-                "it, factors and offsets, and the largest error that is left, and as given",
+                "it, factors, what is added to times, tractions that the base is added to, and "
+                "the largest error that is left, and as given",
                 shape(
-                    "left as_given",
+                    "left as_given time_shift",
                     inferred=list_of(TEXT),
                     stated_by=list_of(list_of(TEXT)),
                     factors=named(NUMBER),
-                    offsets=named(NUMBER),
+                    with_base=list_of(TEXT),
                 ),
             ),
             "notes": Key("units and conventions that were given, and corrections", list_of(TEXT)),

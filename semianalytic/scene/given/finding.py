@@ -91,19 +91,24 @@ def find(source: str | PathLike[str]) -> Scene:
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 
-def checked_scene(function: str, given: object) -> Scene:
+def any_scene(function: str, given: object) -> Scene:
     """Return the scene that a function was given, itself or as its name or file.
 
-    Raises SceneError for anything else; other errors are those of `find_scene`.
+    Raises SceneError for anything else; other errors are those of `find`.
     """
-    if isinstance(given, Scene):
-        check_slot(function, given)
-        return given
-    if isinstance(given, str | PathLike):
-        return find_scene(given)
+    found = find(given) if isinstance(given, str | PathLike) else given
+    if isinstance(found, Scene):
+        return found
     raise SceneError(
         f"{function}: scene must be a Scene, or the name or file of one, got {shown(given)}."
     )
+
+
+def checked_scene(function: str, given: object) -> Scene:
+    """Return the scene that a function of slots was given, as `any_scene` and `check_slot` do."""
+    scene = any_scene(function, given)
+    check_slot(function if isinstance(given, Scene) else str(given), scene)
+    return scene
 
 
 def scene_of_one_solid(function: str, given: object) -> Scene:

@@ -82,9 +82,11 @@ def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]])
     bracketed = _BRACKETED.match(heading)
     if bracketed:
         return bracketed[1].strip(), bracketed[2].strip()
-    stem, _, last = heading.strip().rpartition("_")
-    if any(common_size(last, dimension) is not None for dimension in dimensions_of(stem) if stem):
-        return stem, last
+    words = heading.strip().split("_")
+    for behind in (1, 2):  # x_mm, v_mm_s
+        stem, unit = "_".join(words[:-behind]), "/".join(words[-behind:])
+        if any(common_size(unit, one) is not None for one in dimensions_of(stem) if stem):
+            return stem, unit
     return heading.strip(), ""
 
 

@@ -43,7 +43,7 @@ _BASE = {
 }
 _PARTS: Mapping[str, float] = {
     **{"ε": 1.0, "strain": 1.0, "1e-3": 1e-3, "mstrain": 1e-3, "1e-6": 1e-6, "microstrain": 1e-6},
-    **{prefix + name: 1e-6 for prefix in "uµμ" for name in ("strain", "ε")},
+    **{prefix + name: 1e-6 for prefix in "uµμ" for name in ("strain", "ε", "e")},
 }
 """Parts of one that instruments name."""
 _CASES = {name.lower(): name for name in ("Pa", "kPa", "MPa", "GPa")}

@@ -278,26 +278,29 @@ def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
 
 def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
     """Parse NAME=QUANTITY@X,Y arguments, some of which may be files of them, by name."""
-    listed: list[str] = []
+    listed: list[tuple[str, str]] = []
     for text in given:
         if "=" in text or not text.endswith(".toml"):
-            listed.append(text)
+            listed.append((option_name("gauge"), text))
             continue
-        listed += [f"{name}={place}" for name, place in read_document(text).items()]
+        named = read_document(text)
+        if not named:
+            raise SceneError(f"{text} names no gauge; write lines such as SG1 = 'exx@20mm,3.5mm'.")
+        listed += [(text, f"{name}={place}") for name, place in named.items()]
     result: dict[str, tuple[Any, ...]] = {}
-    for text in listed:
+    for where, text in listed:
         match = _PLACE.match(text)
         if match is None or match[2] not in QUANTITIES:
             raise SceneError(
-                f"{option_name('gauge')} must be NAME=QUANTITY@X,Y, as SG1=exx@20mm,3.5mm, or "
-                f"@X on the interface, with one of {', '.join(QUANTITIES)}, got {shown(text)}."
+                f"{where}: a gauge must be NAME=QUANTITY@X,Y, as SG1=exx@20mm,3.5mm, or @X on the "
+                f"interface, with one of {', '.join(QUANTITIES)}, got {shown(text)}."
             )
         try:
             place = [_measured(scene, "gauge", at, "length") for at in match[3].split(",")]
         except SceneError as error:
-            raise SceneError(f"{option_name('gauge')} {match[1]}: the place {error}") from None
+            raise SceneError(f"{where}: the place of {match[1]} {error}") from None
         if result.setdefault(match[1].strip(), (match[2], *place)) != (match[2], *place):
-            raise SceneError(f"{option_name('gauge')} {match[1]} has two places; give one.")
+            raise SceneError(f"{where}: {match[1]} has two places; give one.")
     return result
 
 

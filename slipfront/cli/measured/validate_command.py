@@ -23,7 +23,7 @@ from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
+from semianalytic.scene.given.finding import find, scene_folder, scene_label
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
 from semianalytic.scene.units import InSI, measure
@@ -138,7 +138,7 @@ def validate_command(
     from compare.figures.saving import save_figure
     from compare.validation.figure import validation_figure
 
-    scene = override_scene(find_scene(scene_name), **overrides)
+    scene = override_scene(find(scene_name), **overrides)
     label = scene_label(scene_name)
     for size in spacing or ():
         asked(scene, "spacing", size, "length")

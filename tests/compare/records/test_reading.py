@@ -322,7 +322,7 @@ def read(path, **options):
     [
         ("t [ms],x [mm],slip_rate [mm/s]", (1e-3, 1e-3, 1e-3)),
         ("t (µs),x (in),V (in/s)", (1e-6, 0.0254, 0.0254)),
-        ("t_ms,x_mm,V (mm/s)", (1e-3, 1e-3, 1e-3)),
+        ("t_ms,x_mm,V_mm_s", (1e-3, 1e-3, 1e-3)),
         ("t_ms,x_mm,tau_MPa", (1e-3, 1e-3, 1e6)),
         ("t [s],x [m],tau [N/mm^2]", (1.0, 1.0, 1e6)),
         ("t,x,tau\nms,mm,MPa", (1e-3, 1e-3, 1e6)),
@@ -431,9 +431,10 @@ VARIABLES = "Time" ,"SRs" ,"SRd" ,"T_s" ,"T_d" ,"P_n" {more}
 """
 
 
-def test_t_s_of_seissol_is_a_shear_traction(tmp_path):
+@pytest.mark.parametrize("time", ["Time", "t [s]"])
+def test_t_s_of_seissol_is_a_shear_traction(tmp_path, time):
     path = tmp_path / "run-faultreceiver-00001.dat"
-    path.write_text(SEISSOL.format(more="", values=""))
+    path.write_text(SEISSOL.format(more="", values="").replace("Time", time))
     records = read(path)
     (one,) = records.stations
     assert one.x == 250
@@ -441,7 +442,7 @@ def test_t_s_of_seissol_is_a_shear_traction(tmp_path):
     assert one.values["shear_traction"].tolist() == [0, -3e6]
     assert one.values["pressure"].tolist() == [0, 1e5]
     assert records.stated.changes == {"shear_traction", "pressure"}
-    assert records.stated.units == {}
+    assert records.stated.units.keys() == ({"t"} if time == "t [s]" else set())
     path.write_text(SEISSOL.format(more=',"Ts0" ,"Pn0"', values="7.0E+07\t-1.2E+08\t"))
     records = read(path)
     assert records.stations[0].values["shear_traction"][0] == 7e7

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 from catalogue import solved
 
-from compare.records.record import Records, Stated, Unit
+from compare.records.record import QUANTITIES, Records, Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
 from compare.validation.data import as_runs
 from docs.studies.trials.validate import SPOILS, history_arrays
-from semianalytic import Material, Scene, Tractions
+from semianalytic import (
+    Contact,
+    InterfaceLoad,
+    Material,
+    Scene,
+    SlipWeakening,
+    Tractions,
+    solve,
+)
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene
 
@@ -90,6 +98,34 @@ def test_another_time_origin_differs_and_can_be_stated(exact):
     data = {**exact, "t": exact["t"] + 0.083}
     assert judged(data).verdict == "differs"
     assert judged(data, time_shift=-0.083).verdict == "agrees"
+
+
+LINE = Scene(
+    Material(1.0, 1.0, 0.25),
+    SlipWeakening(0.6, 0.3, 0.5),
+    base=Tractions(1.0, lambda x: 0.3 + 0.02 * x),
+    load=InterfaceLoad(lambda x: 0.4 * np.exp(-(x**2))),
+    contact=Contact(),
+    period=12.0,
+    run={"end_time": 2.0, "nodes": 256},
+)
+
+
+@pytest.mark.parametrize("scene", ["pair-slip", "whole-line-patch", "growing-load", LINE])
+def test_scenes_of_every_method_are_judged(scene):
+    answer, t = solve(scene), np.linspace(0.05, 1.0, 20)
+    x = np.array([0.101, 0.272, 0.551])
+    x = np.append(-x, x) if answer.scene.contact.is_whole else x
+    data = {"t": t, "x": x, **{name: getattr(answer, name)(x, t[:, None]) for name in QUANTITIES}}
+    found = validate(data, scene, spacing=0.01)
+    assert (found.verdict, len(found.norms)) == ("agrees", 4 * (1 + len(x)))
+    wrong = {name: 1.4 * data[name] for name in ("slip", "slip_rate")}
+    assert validate(data | wrong, scene, spacing=0.01).verdict == "differs"
+    if scene is LINE:  # the base is that of each station
+        change = {**data, "shear_traction": data["shear_traction"] - LINE.base.shear(x)}
+        del change["pressure"]
+        said = Conventions(tractions="changes")
+        assert validate(change, scene, spacing=0.01, conventions=said).verdict == "agrees"
 
 
 def test_unsorted_rows_and_gaps(exact):

@@ -201,7 +201,7 @@ def test_y_of_zero_is_the_interface_and_what_is_elsewhere_is_said(tmp_path):
 
 
 def test_a_table_with_a_column_for_each_gauge(tmp_path):
-    text = "Time [us];SG1 [ustrain];e2 [µm/m];D1 [um];trigger\n0;1;2;3;9\n1;-1;;4;9\n"
+    text = "Time [us];SG1 [ue];e2_ustrain;D1 [um];trigger\n0;1;2;3;9\n1;-1;;4;9\n"
     places = {"D1": ("slip", 0.03, 0), "e2": ("exy", -0.01, 0.002), "SG1": ("exx", 0.02, 0.003)}
     path = written(tmp_path, text)
     gauges, _, unread = gauges_and_notes([path], {"": 1e-6}, gauges=places)
