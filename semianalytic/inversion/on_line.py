@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import FIELDS, Gauge
+from semianalytic.inversion.gauges import Gauge, check_component
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import (
@@ -81,6 +81,26 @@ class RecordedRun:
     def pressure(self, x: Array, t: Array) -> Array:
         """Return the pressure at n positions and times, (n,)."""
         return self._linear("pressure", x, t, self.scene.base.pressure)
+
+    def front_speed(self, x: Array) -> Array:
+        """Return the speed of the slip front as it comes to x (n,), as `Run` does."""
+        return np.asarray(self.run.front_speed(x))
+
+    def velocity(self, x: Array, y: Array, t: Array) -> Array:
+        """Return the particle velocity in the bodies, as `Run` does; so do the next three."""
+        return self.run.velocity(x, y, t)
+
+    def displacement(self, x: Array, y: Array, t: Array) -> Array:
+        """Return the displacement since t = 0."""
+        return self.run.displacement(x, y, t)
+
+    def stress(self, x: Array, y: Array, t: Array) -> Array:
+        """Return the stress."""
+        return self.run.stress(x, y, t)
+
+    def strain(self, x: Array, y: Array, t: Array) -> Array:
+        """Return the strain since t = 0."""
+        return self.run.strain(x, y, t)
 
     def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
         begin, end, share, _ = self._frames(name, x, t)
@@ -178,7 +198,10 @@ class LineUnknowns(Unknowns):
 class LineTrials(Trials):
     """Trials of unknowns of an interface."""
 
-    half_line = False
+    half_line, kept = False, 3
+
+    lengthens: bool = False
+    """Whether the period follows from the end of the march."""
 
     @property
     def is_slow(self) -> bool:
@@ -195,7 +218,7 @@ class LineTrials(Trials):
     def _column(self, name: str, solution: Any, setup: Setup, t: Array) -> Array:
         if is_of_setup(name):
             return super()._column(name, solution, setup, t)
-        return self.difference(name, solution, setup, t)
+        return self.difference(name, solution, setup, partial(self.samples.of, setup=setup, t=t))
 
     def _differenced(self, name: str) -> np.ndarray:
         """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
@@ -206,19 +229,42 @@ class LineTrials(Trials):
         scene: Any = self.at(scaled)[0]
         return recorded(scene, scene.run.get("nodes", NODES), estimate=True)
 
+    def coarser(self, solution: Any) -> Any:
+        """Return the run on half the nodes; None of one that was interrupted."""
+        run = solution.run
+        return None if run.companion is None else RecordedRun(solution.scene, run.coarser)
+
     def grid_error(self, scaled: Array, fine: Any) -> float:
         """Return by how much the grid changes records, over their noise (root mean square).
 
-        It is `ERROR_SAFETY` times the difference from half the nodes.
+        It is `ERROR_SAFETY`, that of the engine's own estimates, times the difference from the run
+        on half the nodes.
         """
-        scene: Any
-        scene, setup = self.at(scaled)
-        # Half the nodes have a multiple of the error; `ERROR_SAFETY` is that of the engine's own
-        # estimates.
-        coarse: Any = recorded(scene, fine.run.nodes // 2, estimate=False)
+        setup, coarse = self.at(scaled)[1], self.coarser(fine)
+        if coarse is None:  # as the status of the run says
+            return 0.0
         one, other = (self.samples.of(run, setup) for run in (fine, coarse))
         off = self.samples.gain(setup) * (one - other) / self.samples.noise
         return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
+
+    def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
+        """Return slip and shear traction of the nodes nearest to x (k,) in all frames, (m, k)."""
+        known = solution.run.interface
+        apart = np.abs(known.x[:, None] - (np.abs(x) if solution.scene.even else x))
+        apart[~known.touching] = np.inf
+        at = apart.argmin(axis=0)
+        return known.slip[:, at], known.shear_traction[:, at]
+
+    def asking(self, gauges: tuple[Gauge, ...], setup: Setup) -> LineTrials:
+        """Return trials of the same unknowns, for what other gauges would record."""
+        unknowns, scene = self.unknowns, self.unknowns.scene
+        # derivatives with respect to the time of the load ask a little later
+        end = max(float(one.t[-1] + one.half_interval[-1]) for one in gauges) - setup.t0
+        if end > scene.run["end_time"]:
+            scene = marched_until(end, scene, self.lengthens)
+        asked = replace(self, unknowns=replace(unknowns, scene=scene), samples=Samples(gauges))
+        # scenes are equal however long they are marched
+        return replace(asked, progress=None, _known={})
 
 
 def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
@@ -231,6 +277,16 @@ def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
     # Between these times slip is cubic, and all else linear.
     done = run(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
+
+
+def marched_until(end: float, scene: Scene, lengthens: bool) -> Scene:
+    """Return a scene that is marched longer, on a line that lengthens with its end if need be."""
+    settings = {**scene.run, "end_time": end}
+    if lengthens:
+        longer = with_period(replace(scene, period=math.inf), end)
+        nodes = scene.run.get("nodes", NODES) * longer.period / scene.period
+        settings["nodes"], scene = 4 * math.ceil(nodes / 4), longer
+    return replace(scene, run=settings)
 
 
 def plain_name(given: str) -> str:
@@ -268,15 +324,12 @@ def line_trials(
     Raises
     ------
     SceneError
-        If a gauge is not of the interface or off the contact, a parameter is repeated, or the end
-        time of the interface does not cover the records.
+        If a gauge is off the contact or of another mode, a parameter is repeated, or all records
+        end before the load acts.
     """
     for gauge in gauges:
-        if gauge.quantity in FIELDS:
-            raise SceneError(
-                f"fit: {gauge.quantity} is of the bodies, and an interface is known on y = 0 alone."
-            )
-        if not scene.contact.touches([gauge.x - setup.x0]).all():
+        check_component(gauge, scene)
+        if gauge.on_interface and not scene.contact.touches([gauge.x - setup.x0]).all():
             raise SceneError(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
             )
@@ -291,4 +344,4 @@ def line_trials(
     settings = {**scene.run, "end_time": end, **({} if nodes is None else {"nodes": nodes})}
     begun = replace(with_period(scene, end), run=settings)
     unknowns = LineUnknowns(names, begun, setup, duration)
-    return LineTrials(samples, unknowns, priors, 0.0)
+    return LineTrials(samples, unknowns, priors, 0.0, lengthens=math.isinf(scene.period))

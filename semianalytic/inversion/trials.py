@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
-from typing import ClassVar
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial
+from typing import Any, ClassVar
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import INTERFACE
+from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
+from semianalytic.inversion.unknowns import (
+    MATERIAL,
+    SOLVED,
+    Setup,
+    Unknowns,
+    has_similarity,
+    is_of_setup,
+)
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
@@ -22,6 +29,9 @@ from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+
+PASSAGE = 2001
+"""Times at which the passage of a rupture is read."""
 
 
 @dataclass
@@ -54,6 +64,9 @@ class Trials:
 
     half_line: ClassVar[bool] = True
     """Whether there is a contact at x > 0 alone, so that no gauge may come to lie at x < 0."""
+    kept: ClassVar[int] = 8
+    """Solutions that are kept: misfit and Jacobian at one point, and both sides of a difference,
+    ask for the same scene."""
 
     @property
     def is_slow(self) -> bool:
@@ -125,9 +138,7 @@ class Trials:
         if solution is None:
             self.count += 1
             solution = self._known[scene] = self._solve(scene)
-            # Misfit and Jacobian at one point, and both sides of a difference, ask for the same
-            # scene; more would only hold memory.
-            for oldest in list(self._known)[:-8]:
+            for oldest in list(self._known)[: -self.kept]:
                 self._known.pop(oldest, None)  # unless another thread has
         return solution
 
@@ -264,20 +275,26 @@ class Trials:
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
         column = np.zeros(len(t))
         if name in PARAMETERS and samples.on_interface.any():
-            scene, of, share = solution.scene, name, 1.0
+            scene, other, share = solution.scene, name, 1.0
             if name == "base_pressure" and self._pressure_is_strength and scene.coefficient:
-                of, share = "friction", scene.coefficient / scene.superposition.in_place.pressure
-            column = share * samples.exact(_derivative(solution, of), setup, t)
+                other, share = "friction", scene.coefficient / scene.superposition.in_place.pressure
+            column = share * samples.exact(_derivative(solution, other), setup, t)
         # Exact derivatives exist on the interface for the parameters of `derivative` alone.
         lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
         if lacking.any():
-            column[lacking] = self.difference(name, solution, setup, t)[lacking]
+            recorded = partial(samples.of, setup=setup, t=t)
+            column[lacking] = self.difference(name, solution, setup, recorded)[lacking]
         return column
 
     def difference(
-        self, name: str, solution: Solution, setup: Setup, t: Array, longer: float = 1.0
+        self,
+        name: str,
+        solution: Solution,
+        setup: Setup,
+        of: Callable[[Solution], Array],
+        longer: float = 1.0,
     ) -> Array:
-        """Return derivatives (n,) with respect to a parameter of the scene, by differences.
+        """Return derivatives (n,) of what is read `of` solutions, by differences of a parameter.
 
         With a step h their errors are that of the solutions over h, and about h^2; h is the cubic
         root of the first, over the size of the parameter.
@@ -294,8 +311,29 @@ class Trials:
             except SceneError:  # beyond what is a scene
                 ends.append((value, solution))
         (above, later), (below, earlier) = ends
-        seen = [self.samples.of(one, setup, t) for one in (later, earlier)]
-        return np.asarray((seen[0] - seen[1]) / (above - below))
+        return np.asarray((of(later) - of(earlier)) / (above - below))
+
+    def slopes(self, solution: Solution, setup: Setup, of: Callable[[Solution], Array]) -> Array:
+        """Return derivatives (n, p) of what is read `of` a solution, over unknowns over sizes."""
+        still = np.zeros(len(of(solution)))
+        columns = [
+            still if is_of_setup(name) else size * self.difference(name, solution, setup, of)
+            for name, size in zip(self.unknowns.names, self.sizes, strict=True)
+        ]
+        return np.stack(columns, axis=1)
+
+    def asking(self, gauges: tuple[Gauge, ...], setup: Setup) -> Trials:
+        """Return trials of the same unknowns, for what other gauges record in about a set-up."""
+        return replace(self, samples=Samples(gauges), progress=None)
+
+    def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
+        """Return slip and shear traction at places x (k,) while records last, (m, k) each."""
+        t = np.linspace(0.0, float(self.samples.t.max()), PASSAGE)[1:, None]
+        return solution.slip(x, t), np.nan_to_num(solution.shear_traction(x, t))
+
+    def coarser(self, solution: Any) -> Any:
+        """Return the solution on half the nodes; None for exact ones."""
+        return None
 
     def difference_error(self, scaled: Array) -> float:
         """Return the relative error of derivatives by differences, from those with twice the step.
@@ -306,11 +344,12 @@ class Trials:
         scene, setup = self.at(scaled)
         solution, worst = self._solved(scene), 0.0
         t = self.samples.clear(solution, setup)
+        of = partial(self.samples.of, setup=setup, t=t)
         for name in self.unknowns.names:
             lacking = self._differenced(name)
             if lacking.any():
                 fine, coarse = (
-                    self.difference(name, solution, setup, t, longer)[lacking] for longer in (1, 2)
+                    self.difference(name, solution, setup, of, longer)[lacking] for longer in (1, 2)
                 )
                 # The error goes like h^2: twice the step has four times the error, three of which
                 # the difference shows.

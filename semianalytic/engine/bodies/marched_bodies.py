@@ -47,6 +47,8 @@ STICKS = 1e-3
 """Part of the slip of a slot beside an edge up to which the contact there sticks."""
 AT_ONCE = 128
 """Places along x whose histories are formed at once."""
+MOST_BYTES = 1 << 26
+"""Histories that are kept for other times, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +179,15 @@ class MarchedBodies:
             at = np.flatnonzero(depth == one)
             places, which = np.unique(x[at], return_inverse=True)
             for start in range(0, len(places), AT_ONCE):
-                record = spectrum.histories(asked, places[start : start + AT_ONCE], one)
+                some = places[start : start + AT_ONCE]
+                key = lower, asked, float(one), some.tobytes()
+                record = self._records.get(key)
+                if record is None:
+                    record = spectrum.histories(asked, some, one)
+                    # gauges are asked at other times next
+                    self._records[key] = record
+                    if sum(one.nbytes for one in self._records.values()) > MOST_BYTES:
+                        self._records.clear()
                 here = (which >= start) & (which < start + AT_ONCE)
                 place, weight = between(
                     (t[at[here]] - levels.start) / levels.step, levels.count + 1, 3
@@ -210,6 +220,10 @@ class MarchedBodies:
         if motion.opening.size:
             rates["y"] = self._levels.means(motion.t, motion.opening)
         return rates
+
+    @cached_property
+    def _records(self) -> dict[tuple[bool, Asked, float, bytes], Array]:
+        return {}
 
     @cached_property
     def _spectra(self) -> dict[bool, Spectrum]:
@@ -316,10 +330,10 @@ class MarchedAnswer(AnswerInBodies):
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
         # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self.coarser)))
 
     @cached_property
-    def _coarser(self) -> Any:
+    def coarser(self) -> Any:
         """The companion, whose stress is asked for as close to the interface as that of this."""
         other = replace(self.companion)
         # where `cached_property` keeps it
@@ -343,7 +357,7 @@ class MarchedAnswer(AnswerInBodies):
         place, end = (x, np.concatenate([y, -y])), min(self.end_time, reach / speed)
         stress, before = self.stress(*place, end), min(float(bodies.motion.t[0]), 0.0)
         size = float(np.abs(stress - self.stress(*place, before)).sum())
-        apart = np.abs(stress - self._coarser.stress(*place, end))
+        apart = np.abs(stress - self.coarser.stress(*place, end))
         return float(apart.sum()) / size if size else 0.0
 
 
