@@ -22,6 +22,7 @@ from semianalytic.inversion.fitting import fit, is_fitted_on_line
 from semianalytic.inversion.gauges import QUANTITIES
 from semianalytic.inversion.on_line import number_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
+from semianalytic.inversion.quoted import QUOTED
 from semianalytic.inversion.unknowns import SETUP, Setup, check_known
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
@@ -156,6 +157,8 @@ def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
     for note in notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     console.print(_values_table(found))
+    if found.quoted.x.size:
+        console.print(_rupture_table(found))
     count = len(found.minima)
     minima = f"{count} minima, the next with a chi2 {found.next_minimum:.3g} above"
     minima = "one minimum" if count == 1 else minima
@@ -181,6 +184,18 @@ def _values_table(found: Fit) -> PrintedTable:
             found.error_in_words(number),
             escape(unit(dimension(name, found.scene), found.scene.units)),
         )
+    return table
+
+
+def _rupture_table(found: Fit) -> PrintedTable:
+    table, units = PrintedTable("quantity", title="Rupture"), found.scene.units
+    for x in found.quoted.x:
+        table.add_column(escape(f"x = {x:.4g} {unit('length', units)}"), justify="right")
+    table.add_column("unit")
+    for name, kind in QUOTED.items():
+        rows = zip(*getattr(found.quoted, name), strict=True)
+        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in rows]
+        table.add_row(name.replace("_", " "), *cells, escape(unit(kind, units)))
     return table
 
 
