@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,17 +19,9 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import Gauge, check_component
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import (
-    SETUP,
-    Setup,
-    Unknowns,
-    check_each_once,
-    check_gains,
-    is_of_setup,
-)
-from semianalytic.parameters.numbers import Number, numbers_of, spelled
+from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
+from semianalytic.parameters.numbers import Number, numbers_of
 from semianalytic.results.questions import between
-from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
@@ -82,25 +74,9 @@ class RecordedRun:
         """Return the pressure at n positions and times, (n,)."""
         return self._linear("pressure", x, t, self.scene.base.pressure)
 
-    def front_speed(self, x: Array) -> Array:
-        """Return the speed of the slip front as it comes to x (n,), as `Run` does."""
-        return np.asarray(self.run.front_speed(x))
-
-    def velocity(self, x: Array, y: Array, t: Array) -> Array:
-        """Return the particle velocity in the bodies, as `Run` does; so do the next three."""
-        return self.run.velocity(x, y, t)
-
-    def displacement(self, x: Array, y: Array, t: Array) -> Array:
-        """Return the displacement since t = 0."""
-        return self.run.displacement(x, y, t)
-
-    def stress(self, x: Array, y: Array, t: Array) -> Array:
-        """Return the stress."""
-        return self.run.stress(x, y, t)
-
-    def strain(self, x: Array, y: Array, t: Array) -> Array:
-        """Return the strain since t = 0."""
-        return self.run.strain(x, y, t)
+    def __getattr__(self, name: str) -> Any:
+        """Return what is that of the run: fields in the bodies, and fronts."""
+        return getattr(self.run, name)
 
     def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
         begin, end, share, _ = self._frames(name, x, t)
@@ -198,31 +174,13 @@ class LineUnknowns(Unknowns):
 class LineTrials(Trials):
     """Trials of unknowns of an interface."""
 
-    half_line, kept = False, 3
+    marched, kept = True, 3
 
     lengthens: bool = False
     """Whether the period follows from the end of the march."""
 
-    @property
-    def is_slow(self) -> bool:
-        """Whether each trial costs so much that there should be fewer of them."""
-        return True
-
     def _solve(self, scene: Any) -> Any:
         return recorded(scene, scene.run.get("nodes", NODES), estimate=False)
-
-    def misfits(self, points: Sequence[Array]) -> Array:
-        """Return the misfits (m, n) of many values."""
-        return np.array([self.misfit(point) for point in points])
-
-    def _column(self, name: str, solution: Any, setup: Setup, t: Array) -> Array:
-        if is_of_setup(name):
-            return super()._column(name, solution, setup, t)
-        return self.difference(name, solution, setup, partial(self.samples.of, setup=setup, t=t))
-
-    def _differenced(self, name: str) -> np.ndarray:
-        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
-        return np.full(len(self.samples.t), not is_of_setup(name))
 
     def final(self, scaled: Array) -> Any:
         """Return the run of the result, with its error estimates."""
@@ -289,28 +247,6 @@ def marched_until(end: float, scene: Scene, lengthens: bool) -> Scene:
     return replace(scene, run=settings)
 
 
-def plain_name(given: str) -> str:
-    """Return a name with underscores, but for names of the set-up, which hold those of gauges."""
-    return given if is_of_setup(given) else spelled(str(given))
-
-
-def number_name(scene: Scene, given: str) -> str:
-    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no such number, and the set-up neither.
-    """
-    known, name = numbers_of(scene), plain_name(given)
-    if name not in known and not is_of_setup(name):
-        raise SceneError(
-            f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
-            f"{shown(given)}."
-        )
-    return name
-
-
 def line_trials(
     gauges: tuple[Gauge, ...],
     scene: Scene,
@@ -324,8 +260,7 @@ def line_trials(
     Raises
     ------
     SceneError
-        If a gauge is off the contact or of another mode, a parameter is repeated, or all records
-        end before the load acts.
+        If a gauge is off the contact or of another mode, or all records end before the load acts.
     """
     for gauge in gauges:
         check_component(gauge, scene)
@@ -333,15 +268,12 @@ def line_trials(
             raise SceneError(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
             )
-    check_gains(names, gauges)
-    check_each_once(names)
     samples = Samples(gauges)
-    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     # A trigger that is fitted may turn out earlier, which needs a later end of the run.
-    end = float(samples.t.max()) - setup.t0 + (0.25 * duration if "t0" in names else 0.0)
+    end = float(samples.t.max()) - setup.t0 + (0.25 * samples.duration if "t0" in names else 0.0)
     if end <= 0:
         raise SceneError("fit: all records end before the load acts; check t0.")
     settings = {**scene.run, "end_time": end, **({} if nodes is None else {"nodes": nodes})}
     begun = replace(with_period(scene, end), run=settings)
-    unknowns = LineUnknowns(names, begun, setup, duration)
+    unknowns = LineUnknowns(names, begun, setup, samples.duration)
     return LineTrials(samples, unknowns, priors, 0.0, lengthens=math.isinf(scene.period))

@@ -62,8 +62,8 @@ class Trials:
     _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
 
-    half_line: ClassVar[bool] = True
-    """Whether there is a contact at x > 0 alone, so that no gauge may come to lie at x < 0."""
+    marched: ClassVar[bool] = False
+    """Whether scenes are marched along a line; others touch at x > 0 alone, where gauges stay."""
     kept: ClassVar[int] = 8
     """Solutions that are kept: misfit and Jacobian at one point, and both sides of a difference,
     ask for the same scene."""
@@ -71,7 +71,7 @@ class Trials:
     @property
     def is_slow(self) -> bool:
         """Whether each trial costs so much that there should be fewer of them."""
-        return not self.samples.on_interface.all()
+        return self.marched or not self.samples.on_interface.all()
 
     def expect(self, ahead: int) -> None:
         """Set how many looks the search still takes, at most."""
@@ -110,7 +110,7 @@ class Trials:
         pairs = []
         for name in self.unknowns.names:
             low, high = self.unknowns.bounds(name)
-            if name == "x0" and self.half_line and self.samples.on_interface.any():
+            if name == "x0" and not self.marched and self.samples.on_interface.any():
                 # An edge beyond the first gauge would put that gauge on the slot, where the
                 # interface has no such quantity.
                 high = float(self.samples.places[0][self.samples.on_interface].min()) * (1 - 1e-9)
@@ -161,9 +161,9 @@ class Trials:
         # each.
         of_scene = set(self.unknowns.names).intersection(SOLVED)
         swept = {"friction", "poisson_ratio"}
-        if self._pressure_is_strength:
+        if not self.marched and self._pressure_is_strength:
             swept.add("base_pressure")
-        if not of_scene or of_scene - swept:
+        if self.marched or not of_scene or of_scene - swept:
             return np.array([self.misfit(point) for point in points])
         from semianalytic.sweeps.sweep import sweep  # here, for a quick import
 
@@ -267,24 +267,34 @@ class Trials:
                 return samples.gain(setup) / setup.gain * seen
             lone = setup.gains.get(name.removeprefix("gain:"), 1.0)
             return samples.of_gauge(name.removeprefix("gain:")) * samples.gain(setup) / lone * seen
-        if name in MATERIAL and has_similarity(solution.scene):
+        lacking = self._differenced(name, solution.scene)
+        column = np.zeros(len(t))
+        if name in MATERIAL and not lacking.any():
             impedance, speed = samples.over_moduli(solution, setup, t)
             # Z = sqrt(mu rho) and c_t = sqrt(mu / rho): half the logarithmic derivatives, with
             # opposite signs of c_t for the density.
             value = getattr(solution.scene.material, name)
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
-        column = np.zeros(len(t))
-        if name in PARAMETERS and samples.on_interface.any():
+        if not lacking.all():
             scene, other, share = solution.scene, name, 1.0
             if name == "base_pressure" and self._pressure_is_strength and scene.coefficient:
                 other, share = "friction", scene.coefficient / scene.superposition.in_place.pressure
             column = share * samples.exact(_derivative(solution, other), setup, t)
-        # Exact derivatives exist on the interface for the parameters of `derivative` alone.
-        lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
         if lacking.any():
             recorded = partial(samples.of, setup=setup, t=t)
             column[lacking] = self.difference(name, solution, setup, recorded)[lacking]
         return column
+
+    def _differenced(self, name: str, scene: Scene) -> np.ndarray:
+        """Return which samples have derivatives by differences with respect to an unknown, (n,).
+
+        Exact ones exist on the interface for the parameters of `derivative` alone.
+        """
+        on_interface = self.samples.on_interface
+        similar = not self.marched and name in MATERIAL and has_similarity(scene)
+        if is_of_setup(name) or similar:
+            return np.zeros_like(on_interface)
+        return ~(on_interface & (name in PARAMETERS and not self.marched))
 
     def difference(
         self,
@@ -346,7 +356,7 @@ class Trials:
         t = self.samples.clear(solution, setup)
         of = partial(self.samples.of, setup=setup, t=t)
         for name in self.unknowns.names:
-            lacking = self._differenced(name)
+            lacking = self._differenced(name, scene)
             if lacking.any():
                 fine, coarse = (
                     self.difference(name, solution, setup, of, longer)[lacking] for longer in (1, 2)
@@ -356,10 +366,6 @@ class Trials:
                 away, size = np.linalg.norm(fine - coarse) / 3, np.linalg.norm(fine)
                 worst = max(worst, float(away / size) if size else 0.0)
         return worst
-
-    def _differenced(self, name: str) -> np.ndarray:
-        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
-        return ~self.samples.on_interface & (name in PARAMETERS)
 
     def final(self, scaled: Array) -> Solution:
         """Return the solution of the result; errors are those of `solve`."""
