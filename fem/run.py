@@ -282,7 +282,7 @@ def peak_memory() -> int:
 
 
 def _peak_on_windows() -> int:
-    """Return PeakWorkingSetSize of PROCESS_MEMORY_COUNTERS [bytes]; 0 if it is not told."""
+    """Return PeakWorkingSetSize of PROCESS_MEMORY_COUNTERS [bytes]; 0 if it is not known."""
     import ctypes
 
     if sys.platform != "win32":

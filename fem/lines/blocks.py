@@ -90,7 +90,7 @@ class LineBlock:
         margin = causal_margin(self.fastest, end_time, size, self.damping_time)
         arrival = np.repeat((away - margin) / self.fastest, columns)
         speed = [
-            solid.longitudinal_speed if one == Y else solid.shear_speed for one in self.components
+            solid.longitudinal_speed if name == Y else solid.shear_speed for name in self.components
         ]
         dashpots = solid.density * np.tile(speed, columns) * size
         far = np.arange(self.unknowns - len(dashpots), self.unknowns)

@@ -220,15 +220,14 @@ def check_pressure(scene: Scene) -> None:
     if base < 0 or (step != 0 and base <= max(LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
-            f"ahead; make the base pressure positive, at least {LEAST_BASE:.0e} of the step "
-            "(docs/limits.md)."
+            f"ahead; make it positive, at least {LEAST_BASE:.0e} of the step (docs/limits.md)."
         )
 
 
 def contact_opens(scene: Scene) -> bool:
     """Return whether the contact opens: at its edge for P_0 < 0, else at the Rayleigh front.
 
-    There P_b + P_0 p*(c) < 0 (docs/separation.md, "The normal problem").
+    There P_b + P_0 p*(c) < 0.
     """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed

@@ -195,7 +195,7 @@ class Fit:
     @property
     def residuals(self) -> tuple[Array, ...]:
         """Record less fit for each gauge, in the units of its quantity."""
-        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
+        return tuple(gauge.values - self.seen(gauge, gauge.t) for gauge in self.gauges)
 
     def seen(self, gauge: Gauge, t: Array) -> Array:
         """Return what a gauge would have recorded without noise at times (n,) of the records."""
@@ -226,7 +226,7 @@ class Fit:
         SceneError
             If the times are no ascending numbers.
         """
-        gauges = tuple(_silent(one, one.t if t is None else t) for one in self.gauges)
+        gauges = tuple(_silent(gauge, gauge.t if t is None else t) for gauge in self.gauges)
         trials, scaled = self.trials.asking(gauges, self.setup), self.values / self.trials.sizes
         slopes = trials.jacobian(scaled)[: len(trials.samples.t)]
         # misfits of a gauge without noise are what it would record

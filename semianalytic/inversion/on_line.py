@@ -130,7 +130,7 @@ class LineUnknowns(Unknowns):
         x = np.linspace(-self.scene.period / 2, self.scene.period / 2, 101)
         x = x[scene.contact.touches(x)]
         fields = (scene.base.pressure, scene.base.shear)
-        return max(float(np.abs(sampled("", one, x)).max(initial=0.0)) for one in fields) or 1.0
+        return max(float(np.abs(sampled("", field, x)).max(initial=0.0)) for field in fields) or 1.0
 
     def size(self, name: str) -> float:
         """Return the size by which an unknown is divided: its value, or one that would matter."""
@@ -201,8 +201,8 @@ class LineTrials(Trials):
         setup, coarse = self.at(scaled)[1], self.coarser(fine)
         if coarse is None:  # as the status of the run says
             return 0.0
-        one, other = (self.samples.of(run, setup) for run in (fine, coarse))
-        off = self.samples.gain(setup) * (one - other) / self.samples.noise
+        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
+        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
         return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
 
     def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
@@ -217,7 +217,7 @@ class LineTrials(Trials):
         """Return trials of the same unknowns, for what other gauges would record."""
         unknowns, scene = self.unknowns, self.unknowns.scene
         # derivatives with respect to the time of the load ask a little later
-        end = max(float(one.t[-1] + one.half_interval[-1]) for one in gauges) - setup.t0
+        end = max(float(gauge.t[-1] + gauge.half_interval[-1]) for gauge in gauges) - setup.t0
         if end > scene.run["end_time"]:
             scene = marched_until(end, scene, self.lengthens)
         asked = replace(self, unknowns=replace(unknowns, scene=scene), samples=Samples(gauges))

@@ -72,7 +72,7 @@ def quoted(trials: Trials, answer: Any, setup: Setup, deviations: Callable[..., 
     x = np.linspace(x[0], x[-1], PLACES) if len(x) > 1 else x
     x = x[answer.scene.contact.touches(x)]
     values = _numbers(trials, answer, x)
-    errors = deviations(trials.slopes(answer, setup, lambda one: _numbers(trials, one, x)))
+    errors = deviations(trials.slopes(answer, setup, lambda near: _numbers(trials, near, x)))
     coarse = trials.coarser(answer)
     if coarse is not None:
         apart = np.abs(_numbers(trials, coarse, x) - values).reshape(-1, len(x))

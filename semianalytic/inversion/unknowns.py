@@ -124,7 +124,7 @@ class Unknowns:
     def _stress(self) -> float:
         """The largest traction of the scene [stress]."""
         parts = (self.scene.base, self.scene.superposition.taken_off)
-        return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
+        return max(abs(value) for part in parts for value in (part.pressure, part.shear)) or 1.0
 
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the least and largest admissible value of an unknown."""
@@ -229,7 +229,7 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
     """Raise SceneError unless there are names, each of them once, and gains of gauges."""
     if not names or len(set(names)) < len(names):
         raise SceneError("fit: name at least one parameter, and each of them once.")
-    called = {one.name for one in gauges} - {""}
+    called = {gauge.name for gauge in gauges} - {""}
     for name in names:
         if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
             known = ", ".join(sorted(called)) or "none of them has a name"

@@ -87,10 +87,10 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     return document
 
 
-def quoted_document(one: Measured) -> dict[str, list[float]]:
+def quoted_document(found: Measured) -> dict[str, list[float]]:
     """Return what is quoted at several places, and the ends of one standard error."""
-    ends = {"from": one.value - one.error, "to": one.value + one.error}
-    return {name: row.tolist() for name, row in {"value": one.value, **ends}.items()}
+    ends = {"from": found.value - found.error, "to": found.value + found.error}
+    return {name: row.tolist() for name, row in {"value": found.value, **ends}.items()}
 
 
 def misfit_sentence(fit: Fit) -> str:

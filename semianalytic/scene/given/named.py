@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.coulomb import Coulomb
@@ -129,3 +131,8 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
 }
 """Scenes by name; those of two different bodies are in units of the upper one."""
+
+NAMED_LINES: Mapping[str, Path] = {
+    path.stem: path for path in sorted((Path(__file__).parent / "lines").glob("*.toml"))
+}
+"""Files of scenes on a line, by name."""

@@ -243,7 +243,7 @@ def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
             )
         sizes = {kind: _measured(scene, "noise", number, kind) for kind in kinds}
         of_all = {"": sizes["1"]} if len(kinds) == len(set(QUANTITIES.values())) else {}
-        found = {one: sizes[kind] for one, kind in QUANTITIES.items() if kind in sizes}
+        found = {quantity: sizes[kind] for quantity, kind in QUANTITIES.items() if kind in sizes}
         result = {**(of_all or found), **result}
     return result
 
@@ -302,7 +302,7 @@ def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
                 f"@X on the interface, with one of {', '.join(QUANTITIES)}, got {shown(text)}."
             )
         try:
-            place = [_measured(scene, "gauge", one, "length") for one in match[3].split(",")]
+            place = [_measured(scene, "gauge", at, "length") for at in match[3].split(",")]
         except SceneError as error:
             raise SceneError(f"{option_name('gauge')} {match[1]}: the place {error}") from None
         if result.setdefault(match[1].strip(), (match[2], *place)) != (match[2], *place):
@@ -318,13 +318,13 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
         if match is None or match[2].lower() not in PRIORS:
             raise _no_prior(text)
         name, kind = plain_name(match[1].strip()), match[2].lower()
-        one = dimension(name, scene)
+        own = dimension(name, scene)
         # the second number of a log-normal prior is a factor
-        kinds = one, "1" if kind == "lognormal" else one
+        kinds = own, "1" if kind == "lognormal" else own
         try:
             numbers = [
-                _measured(scene, "prior", number, one)
-                for number, one in zip(match.group(3, 4), kinds, strict=True)
+                _measured(scene, "prior", number, quantity)
+                for number, quantity in zip(match.group(3, 4), kinds, strict=True)
             ]
         except SceneError as error:
             raise SceneError(f"{_no_prior(text)} Its numbers: each {error}") from None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,9 +18,9 @@ from semianalytic import Scene, find
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
-from semianalytic.scene.given.lines import NAMED_LINES
-from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS
@@ -77,9 +76,9 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    own = [(name, one.scene, one.summary) for name, one in NAMED_SCENES.items()]
+    own = [(name, named.scene, named.summary) for name, named in NAMED_SCENES.items()]
     lines = NAMED_LINES.items()
-    own += [(name, find(name), tomllib.loads(text)["summary"]) for name, text in lines]
+    own += [(name, find(name), read_document(path)["summary"]) for name, path in lines]
     for name, scene, summary in own:
         row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
         yield {**row, "summary": summary, "scene": scene_document(scene)}
@@ -163,8 +162,7 @@ def init(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        own = NAMED_LINES.get(from_)
-        text = text_of(Path(from_)) if own is None else own.lstrip()
+        text = text_of(NAMED_LINES.get(from_, Path(from_)))
     else:
         solid = None if material is None else find_solid(material)
         if units or solid:
