@@ -27,7 +27,7 @@ from semianalytic.inversion.unknowns import (
 )
 from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.arguments import checking
-from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.given.finding import find, scene_of_one_solid
 from semianalytic.scene.scene import Scene
@@ -173,6 +173,8 @@ def _trials(
     names = tuple(number_name(scene, name) for name in names)
     priors = {plain_name(name): prior for name, prior in priors.items()}
     check_names(names, gauges)
+    for gauge in gauges:
+        check_gauge(gauge, scene)
     _check_priors(gauges, names, priors)
     if on_line:
         # here, for fits of scenes are to be quick to import
@@ -180,7 +182,8 @@ def _trials(
 
         return line_trials(gauges, scene, names, priors, setup, nodes)
     for gauge in gauges:
-        check_gauge(gauge, scene)
+        if gauge.on_interface:
+            checked_size(f"gauge {gauge.label}: x", gauge.x)
     check_exact(names, scene)
     samples = Samples(gauges)
     return Trials(samples, Unknowns(names, scene, setup, samples.duration), priors, rtol)

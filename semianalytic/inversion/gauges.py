@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_size, shown
+from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
@@ -163,14 +163,7 @@ def checked_noise(given: ArrayLike, values: Array) -> float | Array:
 
 
 def check_gauge(gauge: Gauge, scene: Scene) -> None:
-    """Raise SceneError if a scene with a slot has no such quantity, or none at this place."""
-    if gauge.on_interface:
-        checked_size(f"gauge {gauge.label}: x", gauge.x)
-    check_component(gauge, scene)
-
-
-def check_component(gauge: Gauge, scene: Scene) -> None:
-    """Raise SceneError if a quantity of the bodies is one of antiplane shear in plane strain."""
+    """Raise SceneError if a scene has no such quantity."""
     quantity = gauge.quantity
     if quantity in FIELDS and "z" in quantity and not scene.antiplane:
         raise SceneError(

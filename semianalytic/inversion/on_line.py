@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.engine.result import Run
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import Gauge, check_component
+from semianalytic.inversion.gauges import Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
@@ -192,19 +191,6 @@ class LineTrials(Trials):
         run = solution.run
         return None if run.companion is None else RecordedRun(solution.scene, run.coarser)
 
-    def grid_error(self, scaled: Array, fine: Any) -> float:
-        """Return by how much the grid changes records, over their noise (root mean square).
-
-        It is `ERROR_SAFETY`, that of the engine's own estimates, times the difference from the run
-        on half the nodes.
-        """
-        setup, coarse = self.at(scaled)[1], self.coarser(fine)
-        if coarse is None:  # as the status of the run says
-            return 0.0
-        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
-        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
-        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
-
     def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
         """Return slip and shear traction of the nodes nearest to x (k,) in all frames, (m, k)."""
         known = solution.run.interface
@@ -219,7 +205,12 @@ class LineTrials(Trials):
         # derivatives with respect to the time of the load ask a little later
         end = max(float(gauge.t[-1] + gauge.half_interval[-1]) for gauge in gauges) - setup.t0
         if end > scene.run["end_time"]:
-            scene = marched_until(end, scene, self.lengthens)
+            settings = {**scene.run, "end_time": end}
+            if self.lengthens:  # at the same node distance
+                longer = with_period(replace(scene, period=math.inf), end)
+                nodes = settings.get("nodes", NODES) * longer.period / scene.period
+                settings["nodes"], scene = 4 * math.ceil(nodes / 4), longer
+            scene = replace(scene, run=settings)
         asked = replace(self, unknowns=replace(unknowns, scene=scene), samples=Samples(gauges))
         # scenes are equal however long they are marched
         return replace(asked, progress=None, _known={})
@@ -237,16 +228,6 @@ def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
     return RecordedRun(scene, done)
 
 
-def marched_until(end: float, scene: Scene, lengthens: bool) -> Scene:
-    """Return a scene that is marched longer, on a line that lengthens with its end if need be."""
-    settings = {**scene.run, "end_time": end}
-    if lengthens:
-        longer = with_period(replace(scene, period=math.inf), end)
-        nodes = scene.run.get("nodes", NODES) * longer.period / scene.period
-        settings["nodes"], scene = 4 * math.ceil(nodes / 4), longer
-    return replace(scene, run=settings)
-
-
 def line_trials(
     gauges: tuple[Gauge, ...],
     scene: Scene,
@@ -260,10 +241,9 @@ def line_trials(
     Raises
     ------
     SceneError
-        If a gauge is off the contact or of another mode, or all records end before the load acts.
+        If a gauge is off the contact, or all records end before the load acts.
     """
     for gauge in gauges:
-        check_component(gauge, scene)
         if gauge.on_interface and not scene.contact.touches([gauge.x - setup.x0]).all():
             raise SceneError(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."

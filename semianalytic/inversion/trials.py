@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
@@ -342,7 +343,7 @@ class Trials:
         return solution.slip(x, t), np.nan_to_num(solution.shear_traction(x, t))
 
     def coarser(self, solution: Any) -> Any:
-        """Return the solution on half the nodes; None for exact ones."""
+        """Return the solution on half the nodes; None for exact ones, which have no grid."""
         return None
 
     def difference_error(self, scaled: Array) -> float:
@@ -371,9 +372,18 @@ class Trials:
         """Return the solution of the result; errors are those of `solve`."""
         return self._solved(self.at(scaled)[0])
 
-    def grid_error(self, scaled: Array, fine: Solution) -> float:
-        """Return by how much a grid changes records, over their noise: solutions have none."""
-        return 0.0
+    def grid_error(self, scaled: Array, fine: Any) -> float:
+        """Return by how much a grid changes records, over their noise (root mean square).
+
+        It is `ERROR_SAFETY`, that of the engine's own estimates, times the difference from half the
+        nodes.
+        """
+        setup, coarse = self.at(scaled)[1], self.coarser(fine)
+        if coarse is None:
+            return 0.0
+        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
+        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
+        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
 
 
 @lru_cache(maxsize=2)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,8 +47,8 @@ STICKS = 1e-3
 """Part of the slip of a slot beside an edge up to which the contact there sticks."""
 AT_ONCE = 128
 """Places along x whose histories are formed at once."""
-MOST_BYTES = 1 << 26
-"""Histories that are kept for other times, at most."""
+KEPT = 8
+"""Depths whose histories are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,15 +179,8 @@ class MarchedBodies:
             at = np.flatnonzero(depth == level)
             places, which = np.unique(x[at], return_inverse=True)
             for start in range(0, len(places), AT_ONCE):
-                some = places[start : start + AT_ONCE]
-                key = lower, asked, float(level), some.tobytes()
-                record = self._records.get(key)
-                if record is None:
-                    record = spectrum.histories(asked, some, level)
-                    # gauges are asked at other times next
-                    self._records[key] = record
-                    if sum(kept.nbytes for kept in self._records.values()) > MOST_BYTES:
-                        self._records.clear()
+                some = places[start : start + AT_ONCE].tolist()
+                record = self._histories(lower, asked, float(level), *some)
                 here = (which >= start) & (which < start + AT_ONCE)
                 place, weight = between(
                     (t[at[here]] - levels.start) / levels.step, levels.count + 1, 3
@@ -222,8 +215,13 @@ class MarchedBodies:
         return rates
 
     @cached_property
-    def _records(self) -> dict[tuple[bool, Asked, float, bytes], Array]:
-        return {}
+    def _histories(self) -> Callable[..., Array]:
+        """Histories of a field at one depth and some places, which gauges ask for repeatedly."""
+        return lru_cache(maxsize=KEPT)(
+            lambda lower, asked, depth, *x: self._spectrum(lower).histories(
+                asked, np.array(x), depth
+            )
+        )
 
     @cached_property
     def _spectra(self) -> dict[bool, Spectrum]:
