@@ -42,4 +42,6 @@ if __name__ == "__main__":
     with (DATA / "fits-recovered.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("seed", "parameter", "true", "value", "standard_error"))
-        table.writerows([seed, *row] for seed in range(10) for row in recovered(seed))
+        for seed in range(10):
+            for name, true, value, error in recovered(seed):
+                table.writerow((seed, name, true, f"{value:.6g}", f"{error:.3g}"))
