@@ -191,14 +191,13 @@ def _values_table(found: Fit) -> PrintedTable:
 
 
 def _rupture_table(found: Fit) -> PrintedTable:
-    table, units = PrintedTable("quantity", title="Rupture"), found.scene.units
-    for x in found.quoted.x:
-        table.add_column(escape(f"x = {x:.4g} {unit('length', units)}"), justify="right")
-    table.add_column("unit")
-    for name, kind in QUOTED.items():
-        rows = zip(*getattr(found.quoted, name), strict=True)
-        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in rows]
-        table.add_row(name.replace("_", " "), *cells, escape(unit(kind, units)))
+    table, units = PrintedTable(title="Rupture"), found.scene.units
+    for name, kind in {"x": "length", **QUOTED}.items():
+        table.add_column(escape(f"{name.replace('_', ' ')} [{unit(kind, units)}]"), justify="right")
+    for place, x in enumerate(found.quoted.x):
+        pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
+        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
+        table.add_row(f"{x:.4g}", *cells)
     return table
 
 
