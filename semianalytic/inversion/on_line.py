@@ -213,7 +213,7 @@ class LineTrials(Trials):
             scene = replace(scene, run=settings)
         asked = replace(self, unknowns=replace(unknowns, scene=scene), samples=Samples(gauges))
         # scenes are equal however long they are marched
-        return replace(asked, progress=None, _known={})
+        return replace(asked, progress=None, _known={}, _last=None)
 
 
 def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
