@@ -35,7 +35,7 @@ ARROWS = {
         "reference": "scene halfplane memory dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
-        "inversion": "scene results halfplane field selfsimilar sweeps engine parameters",
+        "inversion": "scene results halfplane cut field selfsimilar sweeps engine parameters",
     },
     "compare": {
         "output": "",
