@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.result import Run
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
@@ -20,7 +20,7 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
 from semianalytic.parameters.numbers import Number, numbers_of
-from semianalytic.results.questions import between
+from semianalytic.results.interface_history import between
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
@@ -31,7 +31,7 @@ class RecordedRun:
     """A run of a scene as gauges see it, at any position and time."""
 
     scene: Scene
-    run: Run
+    run: Marched
 
     @property
     def edge_speeds(self) -> Array:
