@@ -35,7 +35,7 @@ ARROWS = {
         "reference": "scene halfplane memory dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
-        "inversion": "scene results halfplane field selfsimilar sweeps engine parameters",
+        "inversion": "scene results halfplane cut field selfsimilar sweeps engine parameters",
     },
     "compare": {
         "output": "",
@@ -266,7 +266,7 @@ ALONG_LINE = {
         "result.py",
         "steps.py",
     ),
-    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py"),
+    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py", "quoted.py"),
 }
 """Files of scenes on a line, whose loads act beside the base."""
 

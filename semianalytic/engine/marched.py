@@ -373,10 +373,10 @@ class Marched(AnswerInBodies, SampledAnswer):
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
         # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self.coarser)))
 
     @cached_property
-    def _coarser(self) -> Any:
+    def coarser(self) -> Any:
         """The companion, whose stress is asked for as close to the interface as that of this."""
         assert self.companion is not None
         other = replace(self.companion)
@@ -401,7 +401,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         place, end = (x, np.concatenate([y, -y])), min(self.end_time, reach / speed)
         stress, before = self.stress(*place, end), min(float(bodies.motion.t[0]), 0.0)
         size = float(np.abs(stress - self.stress(*place, before)).sum())
-        apart = np.abs(stress - self._coarser.stress(*place, end))
+        apart = np.abs(stress - self.coarser.stress(*place, end))
         return float(apart.sum()) / size if size else 0.0
 
     @cached_property

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import Gauge
+from semianalytic.inversion.quoted import Quoted, quoted
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.in_words import html_table
+from semianalytic.results.reading import Measured
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
@@ -196,8 +199,56 @@ class Fit:
 
     def seen(self, gauge: Gauge, t: Array) -> Array:
         """Return what a gauge would have recorded without noise at times (n,) of the records."""
-        t = np.asarray(t, dtype=float)
-        # The same code as in the fit, so that residuals are what was minimised; values and noise do
-        # not enter what a gauge sees.
-        like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
+        # The same code as in the fit, so that residuals are what was minimised.
+        like = Samples((_silent(gauge, t),))
         return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
+
+    @checking
+    def forecast(self, t: ArrayLike | None = None) -> tuple[Measured, ...]:
+        """Return what each gauge would record without noise, with the errors of the fit.
+
+        They are standard errors that follow from the covariance of the fitted values; noise is no
+        part of them.
+
+        Parameters
+        ----------
+        t : (n,) array, optional
+            Times of the records [time], also later ones, for which a scene on a line is marched
+            anew; by default those of each record.
+
+        Returns
+        -------
+        tuple of Measured
+            `value` and `error`, (n,) each, in the order of `gauges`.
+
+        Raises
+        ------
+        SceneError
+            If the times are no ascending numbers.
+        """
+        gauges = tuple(_silent(gauge, gauge.t if t is None else t) for gauge in self.gauges)
+        trials, scaled = self.trials.asking(gauges, self.setup), self.values / self.trials.sizes
+        slopes = trials.jacobian(scaled)[: len(trials.samples.t)]
+        # misfits of a gauge without noise are what it would record
+        values = trials.misfit(scaled)[: len(slopes)]
+        parts = map(trials.samples.split, (values, self._deviations(slopes)))
+        return tuple(Measured(*pair) for pair in zip(*parts, strict=True))
+
+    @cached_property
+    def quoted(self) -> Quoted:
+        """What a laboratory quotes of the rupture, with errors; needs two solutions a parameter."""
+        return quoted(self.trials, self.solution, self.setup, self._deviations)
+
+    def _deviations(self, slopes: Array) -> Array:
+        """Return standard deviations (n,) of what has these derivatives (n, p) over sizes."""
+        sizes, free = self.trials.sizes, ~np.isfinite(self.standard_errors)
+        known = np.where(np.isfinite(self.covariance), self.covariance, 0.0)
+        squares = np.einsum("np,pq,nq->n", slopes, known / np.outer(sizes, sizes), slopes)
+        found = np.sqrt(np.maximum(squares, 0.0))
+        return np.where(np.any(slopes[:, free] != 0, axis=1), np.inf, found)
+
+
+def _silent(gauge: Gauge, t: ArrayLike) -> Gauge:
+    """Return a gauge at other times, whose values and noise do not matter."""
+    t = np.asarray(t, dtype=float)
+    return replace(gauge, t=t, values=np.zeros_like(t), noise=1.0)

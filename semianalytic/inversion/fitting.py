@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +16,18 @@ from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.search import ROUNDS, minima, refine
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.inversion.unknowns import (
+    Setup,
+    Unknowns,
+    check_exact,
+    check_names,
+    is_fitted_on_line,
+    number_name,
+    plain_name,
+)
 from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.arguments import checking
-from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.given.finding import find, scene_of_one_solid
 from semianalytic.scene.scene import Scene
@@ -157,26 +166,28 @@ def _trials(
     if not gauges or not all(isinstance(given, Gauge) for given in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     found = find(given) if isinstance(given, str | PathLike) else given
-    if isinstance(found, Scene) and is_fitted_on_line(found):
-        # here, for fits of scenes are to be quick to import
-        from semianalytic.inversion.on_line import line_trials, number_name, plain_name
-
-        names = tuple(number_name(found, name) for name in names)
-        priors = {plain_name(name): prior for name, prior in priors.items()}
-        _check_priors(gauges, names, priors)
-        return line_trials(gauges, found, names, priors, setup, nodes)
-    if nodes is not None:
+    on_line = isinstance(found, Scene) and is_fitted_on_line(found)
+    if nodes is not None and not on_line:
         raise SceneError("fit: nodes have no effect on a scene, which has rtol; leave them out.")
-    scene = scene_of_one_solid("fit", found)
+    scene: Any = found if on_line else scene_of_one_solid("fit", found)
     # All that can be refused is refused before the first solution is computed.
+    names = tuple(number_name(scene, name) for name in names)
+    priors = {plain_name(name): prior for name, prior in priors.items()}
+    check_names(names, gauges)
     for gauge in gauges:
         check_gauge(gauge, scene)
-    check_names(names, gauges, scene)
     _check_priors(gauges, names, priors)
+    if on_line:
+        # here, for fits of scenes are to be quick to import
+        from semianalytic.inversion.on_line import line_trials
+
+        return line_trials(gauges, scene, names, priors, setup, nodes)
+    for gauge in gauges:
+        if gauge.on_interface:
+            checked_size(f"gauge {gauge.label}: x", gauge.x)
+    check_exact(names, scene)
     samples = Samples(gauges)
-    # A single sample has no span: its own time is then the scale of times, and 1 the last resort.
-    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
-    return Trials(samples, Unknowns(names, scene, setup, duration), priors, rtol)
+    return Trials(samples, Unknowns(names, scene, setup, samples.duration), priors, rtol)
 
 
 def _check_priors(
@@ -194,8 +205,3 @@ def _check_priors(
     samples = sum(len(gauge.t) for gauge in gauges)
     least = f"be at least that of parameters, {len(names)}"
     checked_number("fit: the number of samples", samples, least, lambda n: n >= len(names))
-
-
-def is_fitted_on_line(scene: Scene) -> bool:
-    """Return whether trials of a scene are marches along a line: where no exact answer is known."""
-    return bool(scene.on_line) or (scene.kind == "Scene" and not scene.is_self_similar)

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.results.derived import strain
-from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_size, shown
+from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
@@ -30,6 +29,8 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "e": ("xx yy xy xz yz", "1"),
 }
 """Letters of velocity, displacement, stress and strain; their components and dimensions."""
+
+_FIELD_OF = {"v": "velocity", "u": "displacement", "s": "stress", "e": "strain"}
 
 FIELDS: Mapping[str, str] = {
     letter + axis: dimension
@@ -162,11 +163,8 @@ def checked_noise(given: ArrayLike, values: Array) -> float | Array:
 
 
 def check_gauge(gauge: Gauge, scene: Scene) -> None:
-    """Raise SceneError if a scene has no such quantity, or none at this place."""
+    """Raise SceneError if a scene has no such quantity."""
     quantity = gauge.quantity
-    if gauge.on_interface:
-        checked_size(f"gauge {gauge.label}: x", gauge.x)
-    # The letter of antiplane shear.
     if quantity in FIELDS and "z" in quantity and not scene.antiplane:
         raise SceneError(
             f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
@@ -188,12 +186,4 @@ def seen(solution: Solution, kind: str, x: Array, y: Array, t: Array) -> Array:
     """
     if kind in INTERFACE:
         return np.asarray(getattr(solution, kind)(x, t))[None]
-    if kind == "v":
-        return solution.velocity(x, y, t)
-    if kind == "u":
-        return solution.displacement(x, y, t)
-    stress = solution.stress(x, y, t)
-    if kind == "s":
-        return stress
-    # The base tractions strained the bodies before gauges were set to zero.
-    return strain(stress - solution.stress(x, y, np.zeros_like(t)), solution.scene.material)
+    return np.asarray(getattr(solution, _FIELD_OF[kind])(x, y, t))

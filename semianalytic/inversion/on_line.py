@@ -10,26 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import FIELDS, Gauge
+from semianalytic.inversion.gauges import Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import (
-    SETUP,
-    Setup,
-    Unknowns,
-    check_each_once,
-    check_gains,
-    is_of_setup,
-)
-from semianalytic.parameters.numbers import Number, numbers_of, spelled
+from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
+from semianalytic.parameters.numbers import Number, numbers_of
 from semianalytic.results.interface_history import between
-from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
@@ -81,6 +72,10 @@ class RecordedRun:
     def pressure(self, x: Array, t: Array) -> Array:
         """Return the pressure at n positions and times, (n,)."""
         return self._linear("pressure", x, t, self.scene.base.pressure)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what is that of the run: fields in the bodies, and fronts."""
+        return getattr(self.run, name)
 
     def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
         begin, end, share, _ = self._frames(name, x, t)
@@ -178,48 +173,47 @@ class LineUnknowns(Unknowns):
 class LineTrials(Trials):
     """Trials of unknowns of an interface."""
 
-    half_line = False
+    marched, kept = True, 3
 
-    @property
-    def is_slow(self) -> bool:
-        """Whether each trial costs so much that there should be fewer of them."""
-        return True
-
-    @property
-    def swept(self) -> frozenset[str]:
-        """No unknown: marches are not swept."""
-        return frozenset()
+    lengthens: bool = False
+    """Whether the period follows from the end of the march."""
 
     def _solve(self, scene: Any) -> Any:
         return recorded(scene, scene.run.get("nodes", NODES), estimate=False)
-
-    def _column(self, name: str, scene: Any, solution: Any, setup: Setup, t: Array) -> Array:
-        if is_of_setup(name):
-            return super()._column(name, scene, solution, setup, t)
-        return self.difference(name, solution, setup, t)
-
-    def _differenced(self, name: str) -> np.ndarray:
-        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
-        return np.full(len(self.samples.t), not is_of_setup(name))
 
     def final(self, scaled: Array) -> Any:
         """Return the run of the result, with its error estimates."""
         scene: Any = self.at(scaled)[0]
         return recorded(scene, scene.run.get("nodes", NODES), estimate=True)
 
-    def grid_error(self, scaled: Array, fine: Any) -> float:
-        """Return by how much the grid changes records, over their noise (root mean square).
+    def coarser(self, solution: Any) -> Any:
+        """Return the run on half the nodes; None of one that was interrupted."""
+        run = solution.run
+        return None if run.companion is None else RecordedRun(solution.scene, run.coarser)
 
-        It is `ERROR_SAFETY` times the difference from half the nodes.
-        """
-        scene: Any
-        scene, setup = self.at(scaled)
-        # Half the nodes have a multiple of the error; `ERROR_SAFETY` is that of the engine's own
-        # estimates.
-        coarse: Any = recorded(scene, fine.run.nodes // 2, estimate=False)
-        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
-        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
-        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
+    def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
+        """Return slip and shear traction of the nodes nearest to x (k,) in all frames, (m, k)."""
+        known = solution.run.interface
+        apart = np.abs(known.x[:, None] - (np.abs(x) if solution.scene.even else x))
+        apart[~known.touching] = np.inf
+        at = apart.argmin(axis=0)
+        return known.slip[:, at], known.shear_traction[:, at]
+
+    def asking(self, gauges: tuple[Gauge, ...], setup: Setup) -> LineTrials:
+        """Return trials of the same unknowns, for what other gauges would record."""
+        unknowns, scene = self.unknowns, self.unknowns.scene
+        # derivatives with respect to the time of the load ask a little later
+        end = max(float(gauge.t[-1] + gauge.half_interval[-1]) for gauge in gauges) - setup.t0
+        if end > scene.run["end_time"]:
+            settings = {**scene.run, "end_time": end}
+            if self.lengthens:  # at the same node distance
+                longer = with_period(replace(scene, period=math.inf), end)
+                nodes = settings.get("nodes", NODES) * longer.period / scene.period
+                settings["nodes"], scene = 4 * math.ceil(nodes / 4), longer
+            scene = replace(scene, run=settings)
+        asked = replace(self, unknowns=replace(unknowns, scene=scene), samples=Samples(gauges))
+        # scenes are equal however long they are marched
+        return replace(asked, progress=None, _known={}, _last=None)
 
 
 def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
@@ -232,28 +226,6 @@ def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
     # Between these times slip is cubic, and all else linear.
     done = run(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
-
-
-def plain_name(given: str) -> str:
-    """Return a name with underscores, but for names of the set-up, which hold those of gauges."""
-    return given if is_of_setup(given) else spelled(str(given))
-
-
-def number_name(scene: Scene, given: str) -> str:
-    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no such number, and the set-up neither.
-    """
-    known, name = numbers_of(scene), plain_name(given)
-    if name not in known and not is_of_setup(name):
-        raise SceneError(
-            f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
-            f"{shown(given)}."
-        )
-    return name
 
 
 def line_trials(
@@ -269,27 +241,19 @@ def line_trials(
     Raises
     ------
     SceneError
-        If a gauge is not of the interface or off the contact, a parameter is repeated, or the end
-        time of the interface does not cover the records.
+        If a gauge is off the contact, or all records end before the load acts.
     """
     for gauge in gauges:
-        if gauge.quantity in FIELDS:
-            raise SceneError(
-                f"fit: {gauge.quantity} is of the bodies, and an interface is known on y = 0 alone."
-            )
-        if not scene.contact.touches([gauge.x - setup.x0]).all():
+        if gauge.on_interface and not scene.contact.touches([gauge.x - setup.x0]).all():
             raise SceneError(
                 f"fit: the bodies do not touch at x = {gauge.x:g}; leave {gauge.label} out."
             )
-    check_gains(names, gauges)
-    check_each_once(names)
     samples = Samples(gauges)
-    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
     # A trigger that is fitted may turn out earlier, which needs a later end of the run.
-    end = float(samples.t.max()) - setup.t0 + (0.25 * duration if "t0" in names else 0.0)
+    end = float(samples.t.max()) - setup.t0 + (0.25 * samples.duration if "t0" in names else 0.0)
     if end <= 0:
         raise SceneError("fit: all records end before the load acts; check t0.")
     settings = {**scene.run, "end_time": end, **({} if nodes is None else {"nodes": nodes})}
     begun = replace(with_period(scene, end), run=settings)
-    unknowns = LineUnknowns(names, begun, setup, duration)
-    return LineTrials(samples, unknowns, priors, 0.0)
+    unknowns = LineUnknowns(names, begun, setup, samples.duration)
+    return LineTrials(samples, unknowns, priors, 0.0, lengthens=math.isinf(scene.period))

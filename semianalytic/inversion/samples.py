@@ -60,6 +60,11 @@ class Samples:
         """The times of the records, (n,)."""
         return np.concatenate([gauge.t for gauge in self.gauges])
 
+    @property
+    def duration(self) -> float:
+        """The time that records span; of a single sample its own time, and 1 the last resort."""
+        return float(np.ptp(self.t)) or float(np.abs(self.t).max()) or 1.0
+
     @cached_property
     def half(self) -> Array:
         """Half the times between samples, (n,)."""

@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, ClassVar
+from functools import cached_property, lru_cache, partial
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from semianalytic.cut.load import scaled_load
+from semianalytic.engine.convergence import ERROR_SAFETY
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import INTERFACE
+from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
+from semianalytic.inversion.unknowns import (
+    MATERIAL,
+    SOLVED,
+    Setup,
+    Unknowns,
+    has_similarity,
+    is_of_setup,
+)
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
@@ -26,6 +34,9 @@ from semianalytic.selfsimilar.solver import solve
 
 if TYPE_CHECKING:
     from semianalytic.sweeps.continuation import Continuation
+
+PASSAGE = 2001
+"""Times at which the passage of a rupture is read."""
 
 
 @dataclass
@@ -61,13 +72,16 @@ class Trials:
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
     _last: tuple[bytes, Array] | None = field(default=None, repr=False)
 
-    half_line: ClassVar[bool] = True
-    """Whether there is a contact at x > 0 alone, so that no gauge may come to lie at x < 0."""
+    marched: ClassVar[bool] = False
+    """Whether scenes are marched along a line; others touch at x > 0 alone, where gauges stay."""
+    kept: ClassVar[int] = 8
+    """Solutions that are kept: misfit and Jacobian at one point, and both sides of a difference,
+    ask for the same scene."""
 
     @property
     def is_slow(self) -> bool:
         """Whether each trial costs so much that there should be fewer of them."""
-        return not self.samples.on_interface.all()
+        return self.marched or not self.samples.on_interface.all()
 
     def expect(self, ahead: int) -> None:
         """Set how many looks the search still takes, at most."""
@@ -106,7 +120,7 @@ class Trials:
         pairs = []
         for name in self.unknowns.names:
             low, high = self.unknowns.bounds(name)
-            if name == "x0" and self.half_line and self.samples.on_interface.any():
+            if name == "x0" and not self.marched and self.samples.on_interface.any():
                 # An edge beyond the first gauge would put that gauge on the slot, where the
                 # interface has no such quantity.
                 high = float(self.samples.places[0][self.samples.on_interface].min()) * (1 - 1e-9)
@@ -134,9 +148,7 @@ class Trials:
         if solution is None:
             self.count += 1
             solution = self._known[scene] = self._solve(scene)
-            # Misfit and Jacobian at one point, and both sides of a difference, ask for the same
-            # scene; more would only hold memory.
-            for oldest in list(self._known)[:-8]:
+            for oldest in list(self._known)[: -self.kept]:
                 self._known.pop(oldest, None)  # unless another thread has
         return solution
 
@@ -183,6 +195,8 @@ class Trials:
     @cached_property
     def swept(self) -> frozenset[str]:
         """Unknowns of the scene if a sweep follows all of them; others need a solution each."""
+        if self.marched:
+            return frozenset()
         of_scene = frozenset(self.unknowns.names).intersection(SOLVED)
         pressure = {"base_pressure"} if self._pressure_is_strength else set()
         return frozenset() if of_scene - {"friction", "poisson_ratio"} - pressure else of_scene
@@ -288,31 +302,49 @@ class Trials:
                 return samples.gain(setup) / setup.gain * seen
             lone = setup.gains.get(name.removeprefix("gain:"), 1.0)
             return samples.of_gauge(name.removeprefix("gain:")) * samples.gain(setup) / lone * seen
-        if name in MATERIAL and has_similarity(solution.scene):
+        lacking = self._differenced(name, solution.scene)
+        column = np.zeros(len(t))
+        if name in MATERIAL and not lacking.any():
             impedance, speed = samples.over_moduli(solution, setup, t)
             # Z = sqrt(mu rho) and c_t = sqrt(mu / rho): half the logarithmic derivatives, with
             # opposite signs of c_t for the density.
             value = getattr(solution.scene.material, name)
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
-        column = np.zeros(len(t))
-        if name in PARAMETERS and samples.on_interface.any():
-            of, share = name, 1.0
+        if not lacking.all():
+            other, share = name, 1.0
             strength = name in ("friction", "base_pressure") and self._pressure_is_strength
             if strength and scene.coefficient:
-                now, held = (s.superposition.in_place.pressure for s in (scene, solution.scene))
-                other = scene.coefficient if name == "base_pressure" else now
-                of, share = "friction", other / held  # it was solved under another pressure
-            column = share * samples.exact(_derivative(solution, of), setup, t)
-        # Exact derivatives exist on the interface for the parameters of `derivative` alone.
-        lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
+                now, held = (
+                    each.superposition.in_place.pressure for each in (scene, solution.scene)
+                )
+                factor = scene.coefficient if name == "base_pressure" else now
+                other, share = "friction", factor / held  # it was solved under another pressure
+            column = share * samples.exact(_derivative(solution, other), setup, t)
         if lacking.any():
-            column[lacking] = self.difference(name, solution, setup, t)[lacking]
+            recorded = partial(samples.of, setup=setup, t=t)
+            column[lacking] = self.difference(name, solution, setup, recorded)[lacking]
         return column
 
+    def _differenced(self, name: str, scene: Scene) -> np.ndarray:
+        """Return which samples have derivatives by differences with respect to an unknown, (n,).
+
+        Exact ones exist on the interface for the parameters of `derivative` alone.
+        """
+        on_interface = self.samples.on_interface
+        similar = not self.marched and name in MATERIAL and has_similarity(scene)
+        if is_of_setup(name) or similar:
+            return np.zeros_like(on_interface)
+        return ~(on_interface & (name in PARAMETERS and not self.marched))
+
     def difference(
-        self, name: str, solution: Solution, setup: Setup, t: Array, longer: float = 1.0
+        self,
+        name: str,
+        solution: Solution,
+        setup: Setup,
+        of: Callable[[Solution], Array],
+        longer: float = 1.0,
     ) -> Array:
-        """Return derivatives (n,) with respect to a parameter of the scene, by differences.
+        """Return derivatives (n,) of what is read `of` solutions, by differences of a parameter.
 
         With a step h their errors are that of the solutions over h, and about h^2; h is the cubic
         root of the first, over the size of the parameter.
@@ -329,8 +361,29 @@ class Trials:
             except SceneError:  # beyond what is a scene
                 ends.append((value, solution))
         (above, later), (below, earlier) = ends
-        seen = [self.samples.of(run, setup, t) for run in (later, earlier)]
-        return np.asarray((seen[0] - seen[1]) / (above - below))
+        return np.asarray((of(later) - of(earlier)) / (above - below))
+
+    def slopes(self, solution: Solution, setup: Setup, of: Callable[[Solution], Array]) -> Array:
+        """Return derivatives (n, p) of what is read `of` a solution, over unknowns over sizes."""
+        still = np.zeros(len(of(solution)))
+        columns = [
+            still if is_of_setup(name) else size * self.difference(name, solution, setup, of)
+            for name, size in zip(self.unknowns.names, self.sizes, strict=True)
+        ]
+        return np.stack(columns, axis=1)
+
+    def asking(self, gauges: tuple[Gauge, ...], setup: Setup) -> Trials:
+        """Return trials of the same unknowns, for what other gauges record in about a set-up."""
+        return replace(self, samples=Samples(gauges), progress=None, followed=None, _last=None)
+
+    def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
+        """Return slip and shear traction at places x (k,) while records last, (m, k) each."""
+        t = np.linspace(0.0, float(self.samples.t.max()), PASSAGE)[1:, None]
+        return solution.slip(x, t), np.nan_to_num(solution.shear_traction(x, t))
+
+    def coarser(self, solution: Any) -> Any:
+        """Return the solution on half the nodes; None for exact ones, which have no grid."""
+        return None
 
     def difference_error(self, scaled: Array) -> float:
         """Return the relative error of derivatives by differences, from those with twice the step.
@@ -341,11 +394,12 @@ class Trials:
         scene, setup = self.at(scaled)
         solution, worst = self._solved(scene), 0.0
         t = self.samples.clear(solution, setup)
+        of = partial(self.samples.of, setup=setup, t=t)
         for name in self.unknowns.names:
-            lacking = self._differenced(name)
+            lacking = self._differenced(name, scene)
             if lacking.any():
                 fine, coarse = (
-                    self.difference(name, solution, setup, t, longer)[lacking] for longer in (1, 2)
+                    self.difference(name, solution, setup, of, longer)[lacking] for longer in (1, 2)
                 )
                 # The error goes like h^2: twice the step has four times the error, three of which
                 # the difference shows.
@@ -353,17 +407,22 @@ class Trials:
                 worst = max(worst, float(away / size) if size else 0.0)
         return worst
 
-    def _differenced(self, name: str) -> np.ndarray:
-        """Return which samples have derivatives by differences with respect to an unknown, (n,)."""
-        return ~self.samples.on_interface & (name in PARAMETERS)
-
     def final(self, scaled: Array) -> Solution:
         """Return the solution of the result; errors are those of `solve`."""
         return solve(self.at(scaled)[0], rtol=self.rtol)
 
-    def grid_error(self, scaled: Array, fine: Solution) -> float:
-        """Return by how much a grid changes records, over their noise: solutions have none."""
-        return 0.0
+    def grid_error(self, scaled: Array, fine: Any) -> float:
+        """Return by how much a grid changes records, over their noise (root mean square).
+
+        It is `ERROR_SAFETY`, that of the engine's own estimates, times the difference from half the
+        nodes.
+        """
+        setup, coarse = self.at(scaled)[1], self.coarser(fine)
+        if coarse is None:
+            return 0.0
+        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
+        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
+        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
 
 
 @lru_cache(maxsize=2)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from semianalytic.inversion.gauges import Gauge
-from semianalytic.parameters.numbers import with_numbers
+from semianalytic.parameters.numbers import numbers_of, spelled, with_numbers
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
@@ -20,7 +20,6 @@ SOLVED = (*PARAMETERS, *MATERIAL)
 """All parameters of the scene: another value needs another solution."""
 SETUP = ("t0", "x0", "gain")
 """Parameters of the set-up; "gain:NAME" is the gain of one gauge."""
-UNKNOWNS = (*SOLVED, *SETUP)
 _LONE_GAIN = "gain:"
 
 
@@ -198,18 +197,38 @@ def _is_lone_gain(name: object) -> bool:
     return isinstance(name, str) and name.startswith(_LONE_GAIN)
 
 
-def check_known(names: tuple[str, ...]) -> None:
-    """Raise SceneError for names of no parameter, before any record is read."""
-    for name in names:
-        if not (isinstance(name, str) and (_is_lone_gain(name) or name in UNKNOWNS)):
-            raise SceneError(
-                f"fit: parameters must be among {', '.join(UNKNOWNS)} and gain:NAME, got "
-                f"{shown(name)}."
-            )
+def is_fitted_on_line(scene: Scene) -> bool:
+    """Return whether trials of a scene are marches along a line: where no exact answer is known."""
+    return bool(scene.on_line) or (scene.kind == "Scene" and not scene.is_self_similar)
 
 
-def check_gains(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
-    """Raise SceneError for gains of no gauge."""
+def plain_name(given: object) -> str:
+    """Return a name with underscores, but for names of the set-up, which hold those of gauges."""
+    return str(given) if is_of_setup(given) else spelled(str(given))
+
+
+def number_name(scene: Scene, given: object) -> str:
+    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such number, and the set-up neither.
+    """
+    known = tuple(numbers_of(scene)) if is_fitted_on_line(scene) else SOLVED
+    name = plain_name(given)
+    if name not in known and not is_of_setup(name):
+        raise SceneError(
+            f"fit: parameters must be among {', '.join((*known, *SETUP))} and gain:NAME, got "
+            f"{shown(given)}."
+        )
+    return name
+
+
+def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
+    """Raise SceneError unless there are names, each of them once, and gains of gauges."""
+    if not names or len(set(names)) < len(names):
+        raise SceneError("fit: name at least one parameter, and each of them once.")
     called = {gauge.name for gauge in gauges} - {""}
     for name in names:
         if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
@@ -217,16 +236,8 @@ def check_gains(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
             raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
 
 
-def check_each_once(names: tuple[str, ...]) -> None:
-    """Raise SceneError unless there are names, each of them once."""
-    if not names or len(set(names)) < len(names):
-        raise SceneError("fit: name at least one parameter, and each of them once.")
-
-
-def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
-    """Raise SceneError for names that cannot be fitted."""
-    check_known(names)
-    check_gains(names, gauges)
+def check_exact(names: tuple[str, ...], scene: Scene) -> None:
+    """Raise SceneError for names that a scene with an exact answer does not have."""
     for name in names:
         if name in OF_FRONT and name not in _of_front(scene):
             known = ", ".join(_of_front(scene)) or "none"
@@ -240,4 +251,3 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene)
         )
     if "viscosity" in names and not parameter(scene, "viscosity"):
         raise SceneError("fit: viscosity needs a scene with friction of a positive viscosity.")
-    check_each_once(names)

@@ -9,8 +9,10 @@ import numpy as np
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.priors import Normal
+from semianalytic.inversion.quoted import QUOTED
 from semianalytic.inversion.unknowns import is_of_setup
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.results.reading import Measured
 from semianalytic.scene.given.documents import scene_document
 
 WELL = 3.0
@@ -44,6 +46,10 @@ def fit_document(fit: Fit) -> dict[str, Any]:
         },
         "covariance": fit.covariance.tolist(),
         "correlation": fit.correlation.tolist(),
+        "rupture": {
+            "x": fit.quoted.x.tolist(),
+            **{name: quoted_document(getattr(fit.quoted, name)) for name in QUOTED},
+        },
         "chi2": fit.chi2,
         "freedom": fit.freedom,
         "unconstrained": list(fit.unconstrained),
@@ -72,12 +78,19 @@ def fit_document(fit: Fit) -> dict[str, Any]:
     dimensions = {
         "scene": SCENE_DIMENSIONS,
         "parameters": units,
+        "rupture": {"x": "length", **QUOTED},
         "chi2": "1",
         "gauges": {"x": "length", "y": "length", "chi2": "1"},
         "derivative_error": "1",
     }
     document["units"] = units_document(document, dimensions, fit.scene)
     return document
+
+
+def quoted_document(found: Measured) -> dict[str, list[float]]:
+    """Return what is quoted at several places, and the ends of one standard error."""
+    ends = {"from": found.value - found.error, "to": found.value + found.error}
+    return {name: row.tolist() for name, row in {"value": found.value, **ends}.items()}
 
 
 def misfit_sentence(fit: Fit) -> str:

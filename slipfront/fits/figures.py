@@ -37,11 +37,15 @@ STRONG = 0.9
 
 @dataclass(frozen=True, eq=False)
 class _Curve:
-    """Recorded and fitted values over time or position, and residuals over the noise."""
+    """Recorded and fitted values over time or position, and residuals over the noise.
+
+    `forecast` has the fitted values where they were recorded, and their standard errors, (2, n).
+    """
 
     at: Array
     recorded: Array
     residual: Array
+    forecast: Array
     fine: Array
     fitted: Array
     label: str
@@ -57,6 +61,8 @@ class _Panel:
 @style.styled
 def fit_figure(fit: Fit) -> Figure:
     """Draw records and residuals of a fit on the left, its parameters on the right.
+
+    Bands are two standard errors of the fitted curve to either side.
 
     On the right, the diagonal shows the density of each parameter.  Ellipses below it enclose 50
     and 90 % of the probability by the covariance.  Correlations stand above it.
@@ -77,6 +83,7 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     for number, gauge in enumerate(fit.gauges):
         groups.setdefault((gauge.quantity, gauge.y), []).append(number)
     residuals = fit.residuals
+    bands = [np.array(band) for band in fit.forecast()]
     lines = {
         key: numbers
         for key, numbers in groups.items()
@@ -85,15 +92,14 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
     for key, numbers in list(lines.items())[:PANELS]:
         title = f"{key[0]}" + ("" if key[1] is None else f" at y = {_length(fit, key[1])}")
-        curves = list(_over_place(fit, numbers, residuals))
+        curves = list(_over_place(fit, numbers, residuals, bands))
         yield _Panel(_with_unit(fit, fit.gauges[numbers[0]], title), "x", curves)
     room = max(PANELS - len(lines), 1)
     for i in alone if len(alone) <= room else [alone[k] for k in _even(len(alone), room)]:
         gauge = fit.gauges[i]
         fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
-        curve = _Curve(
-            gauge.t, gauge.values, residuals[i] / gauge.noise, fine, fit.seen(gauge, fine), ""
-        )
+        residual = residuals[i] / gauge.noise
+        curve = _Curve(gauge.t, gauge.values, residual, bands[i], fine, fit.seen(gauge, fine), "")
         place = f"x = {_length(fit, gauge.x)}"
         place += "" if gauge.y is None else f", y = {_length(fit, gauge.y)}"
         title = f"{gauge.quantity} at {place}"
@@ -113,7 +119,9 @@ def _with_unit(fit: Fit, gauge: Gauge, title: str) -> str:
     return f"{title} [{unit(QUANTITIES[gauge.quantity], fit.scene.units)}]"
 
 
-def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Iterator[_Curve]:
+def _over_place(
+    fit: Fit, numbers: list[int], residuals: Sequence[Array], bands: Sequence[Array]
+) -> Iterator[_Curve]:
     """Yield the curves of a line of gauges at some of its times."""
     times = sorted({float(t) for i in numbers for t in fit.gauges[i].t})
     for t in [times[k] for k in _even(len(times), min(TIMES, len(times)))]:
@@ -122,11 +130,11 @@ def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Ite
             gauge, here = fit.gauges[i], np.flatnonzero(fit.gauges[i].t == t)
             if here.size:
                 noise = np.broadcast_to(gauge.noise, gauge.t.shape)[here[0]]
-                left = residuals[i][here[0]]
-                rows.append((gauge.x, gauge.values[here[0]], left / noise, left))
-        x, recorded, residual, left = np.array(sorted(rows)).T
+                residual = residuals[i][here[0]] / noise
+                rows.append((gauge.x, gauge.values[here[0]], residual, *bands[i][:, here[0]]))
+        x, recorded, residual, *band = np.array(sorted(rows)).T
         words = f"t = {t:.4g}" + (f" {unit('time', fit.scene.units)}" if fit.scene.units else "")
-        yield _Curve(x, recorded, residual, x, recorded - left, words)
+        yield _Curve(x, recorded, residual, np.array(band), x, band[0], words)
 
 
 def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None:
@@ -135,6 +143,9 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
         for curve, colour in zip(panel.curves, style.cycle(), strict=False):
             left.plot(curve.at, curve.recorded, ".", color=colour, markersize=3.5, alpha=0.7)
             left.plot(curve.fine, curve.fitted, color=colour, linewidth=1.2, label=curve.label)
+            middle, error = np.where(np.isfinite(curve.forecast), curve.forecast, np.nan)
+            band = middle - 2 * error, middle + 2 * error
+            left.fill_between(curve.at, *band, color=colour, alpha=0.25, linewidth=0)
             right.plot(curve.at, curve.residual, ".", color=colour, markersize=3.5)
         for level in (-2, 0, 2):
             right.axhline(

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
 LESSONS = re.findall(r"\]\((\w+)\.ipynb\)", (FOLDER / "index.md").read_text())
 LONGEST = 290
-"""Seconds a cell may take: a lesson is one of five minutes."""
+"""Seconds a cell may take: most lessons are of five minutes."""
 TITLE = re.compile(r"ν.*\bf\b|\bf\b.*ν", re.DOTALL)
 """What the title of a figure says."""
 UNIT = re.compile(r"\[.+\]'$|ratio|coefficient|cells")

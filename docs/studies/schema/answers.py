@@ -31,6 +31,7 @@ from docs.studies.schema.vocabulary import (
     shape,
 )
 from semianalytic.dissimilar.stability import SlidingWave
+from semianalytic.inversion.quoted import QUOTED
 from semianalytic.results.answer import ARRIVALS, FIELDS
 
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
@@ -52,6 +53,7 @@ _RUN = shape(
     seconds=named(NUMBER),
 )
 _MEASURED, _MATRIX = shape("value error"), list_of(list_of(NUMBER))
+_PROPAGATED = object_of(**dict.fromkeys(("value", "from", "to"), list_of(NUMBER)))
 _POINT = object_of(
     ("t", *FIELDS),
     x=NUMBER,
@@ -167,6 +169,11 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "fitted values, standard errors, and the ends between which chi2 is at most one "
                 "above its least, by name",
                 named(shape("value standard_error from to")),
+            ),
+            "rupture": Key(
+                "front speed, stress drop, fracture energy and S at places x, with the ends of one "
+                "standard error",
+                object_of(x=list_of(NUMBER), **dict.fromkeys(QUOTED, _PROPAGATED)),
             ),
             "covariance": Key("covariance, in the order of the parameters", _MATRIX),
             "correlation": Key("correlation, in the order of the parameters", _MATRIX),

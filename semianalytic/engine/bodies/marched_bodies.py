@@ -11,9 +11,9 @@ the plane wave of an incident load.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +43,8 @@ STICKS = 1e-3
 """Part of the slip of a slot beside an edge up to which the contact there sticks."""
 AT_ONCE = 128
 """Places along x whose histories are formed at once."""
+KEPT = 8
+"""Depths whose histories are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +175,8 @@ class MarchedBodies:
             at = np.flatnonzero(depth == level)
             places, which = np.unique(x[at], return_inverse=True)
             for start in range(0, len(places), AT_ONCE):
-                record = spectrum.histories(asked, places[start : start + AT_ONCE], level)
+                some = places[start : start + AT_ONCE].tolist()
+                record = self._histories(lower, asked, float(level), *some)
                 here = (which >= start) & (which < start + AT_ONCE)
                 place, weight = between(
                     (t[at[here]] - levels.start) / levels.step, levels.count + 1, 3
@@ -206,6 +209,15 @@ class MarchedBodies:
         if motion.opening.size:
             rates["y"] = self._levels.means(motion.t, motion.opening)
         return rates
+
+    @cached_property
+    def _histories(self) -> Callable[..., Array]:
+        """Histories of a field at one depth and some places, which gauges ask for repeatedly."""
+        return lru_cache(maxsize=KEPT)(
+            lambda lower, asked, depth, *x: self._spectrum(lower).histories(
+                asked, np.array(x), depth
+            )
+        )
 
     @cached_property
     def _spectra(self) -> dict[bool, Spectrum]:

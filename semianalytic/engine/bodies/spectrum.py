@@ -20,10 +20,13 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Asked = Literal["velocity", "displacement", "strain"]
 
-BLOCK = 1 << 16
-"""Pairs of wavenumber and frequency that are formed at once, to stay in the cache."""
+BLOCK = 1 << 14
+"""Pairs of wavenumber and frequency that are formed at once: they stay in the cache, and products
+for ten places are too small for several threads, which would wait for one another."""
 FALLEN = 35.0
 """Waves that have fallen by more than exp of this do not count."""
+TURNS = (1.0, -1.0, -1.0), (1.0, 1.0, -1.0)
+"""Signs of the derivatives of cosines and sines, by their order."""
 DEPTHS, DEGREE = 400, 5
 """Depths of a picture beyond which it is interpolated between them, and the degree of that."""
 
@@ -67,6 +70,10 @@ def terms_of(asked: Asked, body: Material) -> list[list[Term]]:
 class Spectrum:
     """Amplitudes of the waves that the face of a body sends, seen as if it lay above.
 
+    A wave of amplitudes F at q and G at -q, and its derivatives along x of even order, go like
+
+        (F + G) cos(q x) + i (F - G) sin(q x).
+
     Attributes
     ----------
     levels : Levels
@@ -74,21 +81,18 @@ class Spectrum:
     body : Material
     q : (n,) array
         Wavenumbers [1 / length]; the first is 0, or that of the stiffness that holds the mean.
-    waves : mapping of (2, n, frequencies) arrays
-        Phi as "P" and Psi as "S", v_z on the face as "Z": at wavenumbers q and at -q.  The latter
-        are left out, (1, n, frequencies), where `signs` say what they are.
+    waves : mapping of (n, frequencies) arrays
+        Phi as "P" and Psi as "S", v_z on the face as "Z", each with False for its F + G and True
+        for its i (F - G).  A line that is even about its origin lacks what is 0.
     origin : float
         Position at which phases are 0 [length].
-    signs : mapping
-        Amplitudes at -q over those at q, where the line is even about its origin.
     """
 
     levels: Levels
     body: Material
     q: Array
-    waves: Mapping[str, Complex]
+    waves: Mapping[tuple[str, bool], Complex]
     origin: float
-    signs: Mapping[str, float]
 
     @classmethod
     def of(
@@ -119,7 +123,7 @@ class Spectrum:
         centre : float, optional
             Position about which the line is even [length].
         """
-        origin, signs = centre or 0.0, dict[str, float]()
+        origin, even = centre or 0.0, centre is not None
         nodes = next(iter(rates.values())).shape[1]
         k = 2 * np.pi / (nodes * spacing) * np.arange(nodes // 2)
         q = k.copy()
@@ -130,26 +134,29 @@ class Spectrum:
         ]
         placed[0] /= 2  # the mean is counted at q and at -q
         s, block = levels.frequencies, max(1, BLOCK // levels.size)
-        names = "Z" * ("z" in rates) + "PS" * bool(rates.keys() - {"z"})
-        even = centre is not None and len(rates) == 1
-        waves = {name: np.zeros((2 - even, len(k), len(s)), dtype=complex) for name in names}
+        waves = dict[tuple[str, bool], Complex]()
         for name, means in rates.items():
             lines = levels.lines(means)[: len(k)]
             # what contains i q changes its sign with q
-            odd = {"P": -1.0 if name == "x" else 1.0, "S": 1.0 if name == "x" else -1.0, "Z": 1.0}
-            signs = odd if even else signs
+            odd = {"Z": False} if name == "z" else {"P": name == "x", "S": name == "y"}
+            for wave, is_odd in odd.items():
+                for part in [is_odd] if even else [False, True]:
+                    waves.setdefault((wave, part), np.zeros((len(k), len(s)), dtype=complex))
             for start in range(0, len(k), block):
-                part = slice(start, start + block)
-                ahead, back = levels.transformed(lines[part])
-                sides = [ahead * placed[part], back * placed[part].conj()][: 2 - even]
+                here = slice(start, start + block)
+                ahead, back = levels.transformed(lines[here])
+                ahead *= placed[here]
+                back *= placed[here].conj()
                 drives: tuple[Any, ...] = (-0.5 if lower else 0.5,)  # v_z of either face
                 if name != "z":
-                    drives = potentials(bodies, lower, q[part, None], s)[name == "y"]
-                for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
-                    waves[wave][0, part] += drive * sides[0]
+                    drives = potentials(bodies, lower, q[here, None], s, name == "y")
+                for (wave, is_odd), drive in zip(odd.items(), drives, strict=True):
+                    both, apart = ahead + back, 1j * (ahead - back)
+                    waves[wave, is_odd][here] += drive * (1j * both if is_odd else both)
                     if not even:
-                        waves[wave][1, part] += odd[wave] * drive * sides[1]
-        return cls(levels, bodies[lower and len(bodies) - 1], q, waves, origin, signs)
+                        other = apart if not is_odd else ahead - back
+                        waves[wave, not is_odd][here] += drive * other
+        return cls(levels, bodies[lower and len(bodies) - 1], q, waves, origin)
 
     @cached_property
     def _k(self) -> Array:
@@ -158,7 +165,8 @@ class Spectrum:
 
     def _terms(self, asked: Asked) -> list[list[Term]]:
         rows = terms_of(asked, self.body)
-        return [[term for term in row if term.wave in self.waves] for row in rows]
+        known = {name for name, _ in self.waves}
+        return [[term for term in row if term.wave in known] for row in rows]
 
     def _first(self, q: float, depth: float) -> int:
         """Return the first frequency whose waves count at a wavenumber and a depth."""
@@ -191,20 +199,23 @@ class Spectrum:
             part = slice(start, start + block)
             seen = slice(self._first(self.q[start], depth), None)
             roots = decays(self.body, self.q[part, None], s[seen])
-            phase = np.exp(1j * np.multiply.outer(x - self.origin, self._k[part]))
-            for wave, amplitudes in self.waves.items():
+            angle = np.multiply.outer(x - self.origin, self._k[part])
+            along = np.cos(angle), np.sin(angle)
+            falling = {}
+            for (wave, odd), amplitudes in self.waves.items():
                 decay = roots[wave != "P"]
-                fall = np.exp(-depth * decay)
-                for side, sent in enumerate(amplitudes[:, part, seen] * fall):
-                    falling = decay * sent
-                    for (name, turns, falls), total in sums.items():
-                        if name == wave:
-                            along = phase * (1j * self.q[part]) ** turns
-                            if side:
-                                along = along.conj()
-                            elif self.signs:
-                                along = along + self.signs[wave] * along.conj()
-                            total[:, seen] += along @ (falling if falls else sent)
+                if wave not in falling:
+                    falling[wave] = np.exp(-depth * decay)
+                sent = [amplitudes[part, seen] * falling[wave]]
+                for (name, turns, falls), total in sums.items():
+                    if name == wave:
+                        if falls and len(sent) < 2:
+                            sent.append(decay * sent[0])
+                        # derivatives along x turn cosines into sines, in real numbers
+                        factors = (
+                            TURNS[odd][turns] * self.q[part] ** turns * along[odd != turns % 2]
+                        )
+                        total.view(float)[:, 2 * seen.start :] += factors @ sent[falls].view(float)
         found = np.zeros((len(rows), len(x), len(s)), dtype=complex)
         for row, terms in zip(found, rows, strict=True):
             for term in terms:
@@ -247,20 +258,15 @@ class Spectrum:
         for index, q in enumerate(self.q):
             counts = slice(self._first(q, depths[0]), None)
             roots = decays(self.body, q, s[counts])
-            for name, amplitudes in self.waves.items():
+            for (name, odd), amplitudes in self.waves.items():
                 own = [term for term in terms if term[1].wave == name]
-                decay, sent = roots[name != "P"], amplitudes[:, index, counts] * wave[counts]
+                decay, sent = roots[name != "P"], amplitudes[index, counts] * wave[counts]
                 factors = [term.factor(q, decay, s[counts]) for _, term in own]
-                sums = laid_down(
-                    depths, decay, np.concatenate([factor * sent for factor in factors])
-                ).reshape(len(depths), len(own), len(sent))
+                sums = laid_down(depths, decay, np.stack([factor * sent for factor in factors]))
                 for column, (row, term) in enumerate(own):
-                    turned = (1j * q) ** term.turns * term.coefficient
-                    ahead, back = sums[:, column, 0], sums[:, column, -1]
-                    if self.signs:
-                        back = self.signs[name] * back
-                    # the real part of a wave at -q is that of its conjugate at q
-                    found[:, row, index] += turned * (ahead + back.conj())
+                    # the real part of what goes like a sine is that of -i exp(i q x)
+                    turned = (1j * q) ** term.turns * term.coefficient * (-1j if odd else 1.0)
+                    found[:, row, index] += turned * sums[:, column].real
         return found
 
 

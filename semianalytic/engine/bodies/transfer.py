@@ -30,17 +30,20 @@ Drive = tuple[Any, Any]
 
 def decays(body: Material, q: Array, s: Complex) -> tuple[Complex, Complex]:
     """Return A and B at wavenumbers and frequencies that broadcast [1 / length]."""
-    # Re s > 0 keeps the radicands off the branch cut of the principal root.
     square = np.square(s)
-    speeds = body.longitudinal_speed, body.shear_speed
-    over_p, over_s = (np.sqrt(q * q + square / speed**2) for speed in speeds)
-    return over_p, over_s
+    return decay(body.longitudinal_speed, q, square), decay(body.shear_speed, q, square)
+
+
+def decay(speed: float, q: Array, square: Complex) -> Complex:
+    """Return A or B, that of the speed, from the square of the frequencies."""
+    # Re s > 0 keeps the radicands off the branch cut of the principal root.
+    return np.asarray(np.sqrt(q * q + square / speed**2))
 
 
 def potentials(
-    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex
-) -> tuple[Drive, Drive]:
-    """Return Phi and Psi in a body for unit slip rate and for unit opening rate.
+    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex, opening: bool
+) -> Drive:
+    """Return Phi and Psi in a body for a unit rate, that of slip or that of opening.
 
     Parameters
     ----------
@@ -52,14 +55,16 @@ def potentials(
         Wavenumbers [1 / length].
     s : complex array
         Frequencies, Re s > 0 [1 / time].
+    opening : bool
+        Whether the faces open.
     """
     if len(bodies) == 2:
-        return _of_two(bodies, lower, q, s)
-    a, b = decays(bodies[0], q, s)
-    squared = np.square(bodies[0].shear_speed / s)
-    once, twice = 1j * q * squared, 1 + 2 * q * q * squared
-    sign = -1.0 if lower else 1.0
-    return (sign * once, sign * twice / (2 * b)), (-twice / (2 * a), once)
+        return _of_two(bodies, lower, q, s, opening)
+    speed = bodies[0].longitudinal_speed if opening else bodies[0].shear_speed
+    squared, sign = np.square(bodies[0].shear_speed / s), -1.0 if lower else 1.0
+    once = 1j * q * squared
+    twice = (0.5 + q * q * squared) / decay(speed, q, np.square(s))
+    return (-twice, once) if opening else (sign * once, sign * twice)
 
 
 def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> list[Complex]:
@@ -76,7 +81,9 @@ def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> 
     return [d, own * a, across, own * b]
 
 
-def _of_two(bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex) -> tuple[Drive, Drive]:
+def _of_two(
+    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex, opening: bool
+) -> Drive:
     """Return the potentials between different bodies, of which both carry one traction."""
     roots = [decays(body, q, s) for body in bodies]
     (d_up, up11, up12, up22), (d_low, low11, low12, low22) = (
@@ -85,15 +92,11 @@ def _of_two(bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex) -> 
     # Z w = Y (w - r) with the rates r: w = -(Z - Y)^-1 Y r; Y = [[-Z11, Z12], [-Z12, -Z22]] below
     m11, m12, m22 = up11 + low11, up12 - low12, up22 + low22
     det = m11 * m22 + m12 * m12
-    y = (-low11, -low12), (low12, -low22)  # columns of Y
+    first, second = (low12, -low22) if opening else (-low11, -low12)  # column of Y
     a, b = roots[lower]
-    d, sign = (d_low, -1.0) if lower else (d_up, 1.0)
-    drives = []
-    for rate, (first, second) in zip(((1.0, 0.0), (0.0, 1.0)), y, strict=True):
-        along = -(m22 * first - m12 * second) / det
-        across = -(m12 * first + m11 * second) / det
-        if lower:
-            along, across = along - rate[0], across - rate[1]
-        across = sign * across
-        drives.append(((1j * q * along - b * across) / d, (a * along + 1j * q * across) / d))
-    return drives[0], drives[1]
+    along = -(m22 * first - m12 * second) / det
+    across = -(m12 * first + m11 * second) / det
+    if lower:
+        along, across = along - (not opening), opening - across
+    d = d_low if lower else d_up
+    return (1j * q * along - b * across) / d, (a * along + 1j * q * across) / d

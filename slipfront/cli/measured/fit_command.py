@@ -18,11 +18,17 @@ from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from compare.records.names import not_read
 from semianalytic.inversion.fitted import Fit
-from semianalytic.inversion.fitting import fit, is_fitted_on_line
+from semianalytic.inversion.fitting import fit
 from semianalytic.inversion.gauges import QUANTITIES
-from semianalytic.inversion.on_line import number_name
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
-from semianalytic.inversion.unknowns import SETUP, Setup, check_known
+from semianalytic.inversion.quoted import QUOTED
+from semianalytic.inversion.unknowns import (
+    SETUP,
+    Setup,
+    is_fitted_on_line,
+    number_name,
+    plain_name,
+)
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -113,13 +119,11 @@ def fit_command(
     require("slipfront fit", *(PLOT if plot else ()))
     names = tuple(part.strip() for part in parameters.split(",") if part.strip())
     scene = override_scene(find(scene_name), **overrides)
-    if is_fitted_on_line(scene):
-        names = tuple(number_name(scene, name) for name in names)
-    else:
+    if not is_fitted_on_line(scene):
         check_slot(scene_name, scene)
         if nodes is not None:
             raise SceneError("--nodes has no effect on a scene with a slot; leave it out.")
-        check_known(names)
+    names = tuple(number_name(scene, name) for name in names)
     known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
     setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
     gauges, notes, unread = gauges_and_notes(
@@ -156,6 +160,8 @@ def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
     for note in notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     console.print(_values_table(found))
+    if found.quoted.x.size:
+        console.print(_rupture_table(found))
     count = len(found.minima)
     minima = f"{count} minima, the next with a chi2 {found.next_minimum:.3g} above"
     minima = "one minimum" if count == 1 else minima
@@ -181,6 +187,17 @@ def _values_table(found: Fit) -> PrintedTable:
             found.error_in_words(number),
             escape(unit(dimension(name, found.scene), found.scene.units)),
         )
+    return table
+
+
+def _rupture_table(found: Fit) -> PrintedTable:
+    table, units = PrintedTable(title="Rupture"), found.scene.units
+    for name, kind in {"x": "length", **QUOTED}.items():
+        table.add_column(escape(f"{name.replace('_', ' ')} [{unit(kind, units)}]"), justify="right")
+    for place, x in enumerate(found.quoted.x):
+        pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
+        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
+        table.add_row(f"{x:.4g}", *cells)
     return table
 
 
@@ -212,40 +229,31 @@ def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
     result: dict[str, float] = {}
     for text in given:
         name, _, number = text.rpartition("=")
-        if name or _plain(number):
-            result |= _numbers(scene, "noise", [f"{name}={number}"], ("", *QUANTITIES))
+        if name:
+            result |= _numbers(scene, "noise", [text], tuple(QUANTITIES))
             continue
-        known = {kind: _sized(number, kind) for kind in dict.fromkeys(QUANTITIES.values())}
-        sizes = {kind: size for kind, size in known.items() if size is not None}
-        if not sizes:
-            units = "; ".join(units_shown(kind) for kind in known)
+        kinds = [kind for kind in dict.fromkeys(QUANTITIES.values()) if _is_of(kind, number)]
+        if not kinds:
+            units = "; ".join(map(units_shown, dict.fromkeys(QUANTITIES.values())))
             raise SceneError(
                 f"{option_name('noise')} must be a number for all samples, such as 0.01, or one "
                 f"in a unit for those that have it ({units}), or NAME=NUMBER for one quantity, "
                 f"such as slip_rate=0.01, got {shown(number)}."
             )
-        for quantity, kind in QUANTITIES.items():
-            if kind in sizes:
-                asked(scene, "noise", sizes[kind], kind)
-                result.setdefault(quantity, sizes[kind])
+        sizes = {kind: _measured(scene, "noise", number, kind) for kind in kinds}
+        of_all = {"": sizes["1"]} if len(kinds) == len(set(QUANTITIES.values())) else {}
+        found = {quantity: sizes[kind] for quantity, kind in QUANTITIES.items() if kind in sizes}
+        result = {**(of_all or found), **result}
     return result
 
 
-def _plain(number: str) -> bool:
-    """Return whether a text is a number without a unit."""
+def _is_of(kind: str, number: str) -> bool:
+    """Return whether a text is a number without a unit, or in one of a dimension."""
     try:
-        float(number)
-    except ValueError:
+        measure(number, kind, si_size)
+    except SceneError:
         return False
     return True
-
-
-def _sized(text: str, kind: str) -> float | None:
-    """Return a number with a unit of a dimension in that of the SI; None if it has another one."""
-    try:
-        return measure(text, kind, si_size)
-    except SceneError:
-        return None
 
 
 def _numbers(
@@ -311,11 +319,9 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
         match = _PRIOR.match(text)
         if match is None or match[2].lower() not in PRIORS:
             raise _no_prior(text)
-        name, kind = match[1].strip(), match[2].lower()
-        # the second number of a log-normal prior is a factor
-        if is_fitted_on_line(scene):
-            name = number_name(scene, name)
+        name, kind = plain_name(match[1].strip()), match[2].lower()
         own = dimension(name, scene)
+        # the second number of a log-normal prior is a factor
         kinds = own, "1" if kind == "lognormal" else own
         try:
             numbers = [

@@ -14,7 +14,7 @@ from semianalytic.inversion.gauges import FIELDS, INTERFACE
 from semianalytic.inversion.on_line import RecordedRun, recorded
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
-from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
+from semianalytic.inversion.unknowns import MATERIAL, SETUP, SOLVED, Unknowns
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.incident import OF_FRONT
 
@@ -169,7 +169,7 @@ def test_what_makes_no_sense_is_refused(make, message):
 
 
 def test_every_unknown_has_a_start_bounds_and_a_range():
-    names = tuple(name for name in UNKNOWNS if name not in ("viscosity", *OF_FRONT))
+    names = tuple(name for name in (*SOLVED, *SETUP) if name not in ("viscosity", *OF_FRONT))
     trial = trials([silent("slip")], names, setup=Setup())
     low, high = trial.bounds
     least, most = trial.ranges
@@ -204,27 +204,16 @@ def test_misfits_over_base_pressure_are_solved_one_by_one_where_it_matters_itsel
 SOLID = sf.Material(1.0, 1.0, 0.25)
 
 
-def fault(dynamic=0.2):
+def fault(dynamic=0.2, distance=1.0):
     load = sf.InterfaceLoad(lambda x: 1.2 * np.exp(-(x**2)), sf.Ramp(1.0))
-    law = sf.SlipWeakening(0.6, dynamic, 1.0)
+    law = sf.SlipWeakening(0.6, dynamic, distance)
     return scene_along(SOLID, law, 12.0, shear=0.3, loads=[load], even=True)
 
 
-def gauges(run, noise, quantity="slip"):
+def gauges(run, noise):
     t, random = np.linspace(0.6, 2.4, 7), np.random.default_rng(1)
-    return [
-        sf.Gauge(
-            x=x,
-            t=t,
-            values=np.interp(
-                t, run.interface.t, run.at(getattr(run.interface, quantity), [x])[:, 0]
-            )
-            + noise * random.standard_normal(len(t)),
-            noise=noise,
-            quantity=quantity,
-        )
-        for x in (-1.0, 0.0, 1.5)
-    ]
+    slips = {x: run.slip(x, t) + noise * random.standard_normal(7) for x in (-1.0, 0.0, 1.5)}
+    return [sf.Gauge(x, t, slip, noise, "slip") for x, slip in slips.items()]
 
 
 @pytest.fixture(scope="module")
@@ -232,17 +221,47 @@ def truth():
     return sf.solve(fault(), end_time=2.5, nodes=128, estimate=False, frames=1000)
 
 
-def test_a_law_is_found_from_slip(truth):
-    """Friction within three standard errors, from a guess that is far off."""
-    records = gauges(truth, 0.02)
-    prior = {"friction_law_dynamic": sf.Uniform(0.0, 0.5)}
-    found = sf.fit(records, fault(0.35), "friction_law.dynamic", nodes=48, priors=prior)
-    assert found.parameters == ("friction_law_dynamic",)
+def in_bodies(run, noise=0.0, t=None):
+    """Gauges in both bodies, with a share of noise, whose load acts at 0.2."""
+    random, found = np.random.default_rng(0), []
+    t = np.linspace(0.3, 2.4, 30) if t is None else t
+    for of, x, y in (("exx", 1.2, 0.4), ("exy", -1.2, -0.4), ("eyy", 1.6, 0.4), ("vx", 0.8, -0.4)):
+        fields = run.strain(x, y, t) if of[0] == "e" else run.velocity(x, y, t)
+        values = fields[{"exx": 0, "eyy": 1, "exy": 2, "vx": 0}[of]]
+        size = (noise or 1e-9) * float(np.abs(values).max())
+        noisy = values + size * random.standard_normal(len(t))
+        found.append(sf.Gauge(x, t + 0.2, noisy, size, of, y))
+    return found
+
+
+def test_a_law_and_the_time_of_the_load_are_found_from_slip_and_gauges_in_both_bodies():
+    """So are stress drop, fracture energy and S, from a guess that is far off, and what comes."""
+    true = sf.solve(fault(distance=0.4), end_time=3.2, nodes=128, estimate=False, frames=1000)
+    slip = [replace(one, t=one.t + 0.2) for one in gauges(true, 0.02)]
+    prior = {"friction_law_dynamic": sf.Uniform(0.0, 0.5), "t0": sf.Uniform(0.1, 0.3)}
+    names = "friction_law.dynamic", "t0"
+    records = [*slip, *in_bodies(true, 0.03)]
+    found = sf.fit(records, fault(0.35, 0.4), names, nodes=128, priors=prior)
+    assert found.parameters == ("friction_law_dynamic", "t0")
     assert found.status == "converged"
-    assert found.values[0] == pytest.approx(0.2, abs=3 * found.standard_errors[0])
-    assert 0 < found.standard_errors[0] < 0.02
+    assert np.all(np.abs(found.values - 0.2) < 3 * found.standard_errors)
+    assert np.all((found.standard_errors > 0) & (found.standard_errors < 0.01))
     assert found.scene.law.dynamic == found.values[0]
     assert 0 < found.derivative_error < 0.1
+    quoted = found.quoted
+    assert quoted.x.tolist() == pytest.approx([-1.2, -0.5, 0.2, 0.9, 1.6])
+    known = {"stress_drop": 0.1, "fracture_energy": 0.4 * 0.4 / 2, "strength_ratio": 3.0}
+    for name, value in known.items():
+        one = getattr(quoted, name)
+        assert np.all(np.abs(one.value - value) < 2 * one.error)
+        assert np.all(one.error < 0.13 * value)
+    # slip begins at once near x = 0, and so has no speed
+    assert np.isnan(quoted.front_speed.value).tolist() == [False, True, True, False, False]
+    later = np.linspace(2.5, 3.2, 6)
+    bands = found.forecast(later)[len(slip) :]
+    for gauge, band in zip(in_bodies(true, t=later - 0.2), bands, strict=True):
+        assert np.all(np.abs(gauge.values - band.value) < 3 * band.error)
+        assert np.all(band.error < 0.02 * np.abs(band.value))
 
 
 def test_a_grid_that_gauges_can_see_is_not_converged(truth):
@@ -259,7 +278,7 @@ def test_gauges_see_between_frames_and_nodes(truth):
     few = sf.solve(fault(), end_time=2.5, nodes=128, estimate=False, frames=12)
     seen = RecordedRun(described, few)
     t = np.linspace(0.1, 2.4, 40)
-    known = np.interp(t, truth.interface.t, truth.at(truth.interface.slip, [0.3])[:, 0])
+    known = truth.slip(0.3, t)
     assert len(few.interface.t) < 20
     assert seen.slip(np.full(40, 0.3), t) == pytest.approx(known, abs=2e-3 * known.max())
     assert seen.slip(np.array([0.0]), np.array([-1.0])).tolist() == [0.0]
@@ -273,9 +292,9 @@ def test_gauges_see_between_frames_and_nodes(truth):
     [
         ({"parameters": "law.dist"}, "parameters must be among .*friction_law_distance"),
         ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each of them once"),
-        ({"parameters": "gain:A"}, "of no gauge"),
         ({"scene": sf.find("preloaded"), "parameters": "friction"}, "no effect on a scene"),
-        ({"quantity": "vx", "y": 0.1}, "known on y = 0"),
+        ({"quantity": "exx", "y": 0.1}, "nearer to the interface than nodes"),
+        ({"quantity": "vz", "y": 0.1}, "zero in this scene"),
         ({"t": [-2.0, -1.0, -0.5]}, "before the load"),
     ],
 )

@@ -77,20 +77,27 @@ def test_what_the_data_leave_free_is_exit_code_four(records, shown):
 
 @pytest.fixture
 def fault(tmp_path):
-    """A file of an interface, and a record of slip on it that is a tenth too large."""
+    """A file of an interface, and the file of a recorder with slip on it and strain in the body,
+    which are a tenth too large."""
     (tmp_path / "fault.toml").write_text(FAULT)
-    t = [0.5, 1.0, 1.5, 2.0]
+    t = np.linspace(0.4, 2.0, 5)
     done = solve(find("fault.toml"), end_time=2.0, nodes=32, times=t, estimate=False)
-    slip = done.at(done.interface.slip, np.array([-1.0]))[:, 0]
-    rows = "".join(f"{at},-1,{1.1 * value}\n" for at, value in zip(t, slip, strict=True))
-    (tmp_path / "slip.csv").write_text("t,x,slip\n" + rows)
+    columns = t, 1.1 * done.slip(-1.0, t), 1.1e6 * done.strain(-1.0, 0.6, t)[2]
+    rows = "".join(f"{at},{slip},{strain}\n" for at, slip, strain in zip(*columns, strict=True))
+    (tmp_path / "recorder.csv").write_text("t,LVDT,SG1 [ustrain]\n" + rows)
 
 
-def test_a_gain_is_fitted(fault, printed):
-    document = printed("fit slip.csv --scene fault.toml --noise slip=0.2 --parameters gain", 4)
+def test_a_gain_is_fitted_to_a_wide_file(fault, printed):
+    line = "recorder.csv --gauge LVDT=slip@-1 --gauge SG1=exy@-1,0.6 --noise slip=0.2 --noise 0.05"
+    document = printed(f"fit {line} --scene fault.toml --parameters gain", 4)
     assert document["parameters"]["gain"]["value"] == pytest.approx(1.1, abs=0.02)
     assert document["scene"]["friction_law"]["kind"] == "slip-weakening"
     assert document["scene"]["run"]["nodes"] == 32
+    assert [one["quantity"] for one in document["gauges"]] == ["slip", "exy"]
+    assert document["units"]["rupture"]["fracture_energy"] == "stress length"
+    assert document["rupture"]["x"] == [-1.0]
+    energy = document["rupture"]["fracture_energy"]
+    assert 0 < energy["from"][0] < energy["value"][0] < energy["to"][0]
 
 
 # --- records of a march in PMMA, as they are committed --------------------------------------------
