@@ -258,7 +258,15 @@ SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
 """Folders whose contact carries nothing but the base, and a load that they know themselves."""
 ALONG_LINE = {
     *("acting.py", "estimate.py", "line.py", "result.py", "steps.py"),
-    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py"),
+    *(
+        "case.py",
+        "comparing.py",
+        "along.py",
+        "on_line.py",
+        "documents.py",
+        "data.py",
+        "specimen.py",
+    ),
 }
 """Files of scenes on a line, whose loads act beside the base."""
 
