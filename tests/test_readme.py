@@ -17,16 +17,9 @@ from slipfront.cli.commands import COMMANDS, command_for
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text()
-PAGES = {
-    path.name: path.read_text() for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-}
-SHOWN = sorted(
-    {
-        line
-        for text in PAGES.values()
-        for line in re.findall(r"^ {4,}slipfront ([a-z].*)$", text.replace("\\\n", " "), re.M)
-    }
-)
+PAGES = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+TEXT = "\n".join(path.read_text() for path in PAGES).replace("\\\n", " ")
+SHOWN = sorted(set(re.findall(r"^ {4,}slipfront ([a-z].*)$", TEXT, re.MULTILINE)))
 LAYOUT = (ROOT / "docs" / "contributing.md").read_text()
 CHANGES = (ROOT / "CHANGELOG.md").read_text()
 SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text())

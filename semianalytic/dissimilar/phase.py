@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -19,6 +19,12 @@ from semianalytic.halfplane.rayleigh import Array
 
 _LARGEST_TURN = 0.5
 """Largest turn between points [rad]: half of it gives the same phases of 200 random pairs."""
+
+
+@lru_cache(maxsize=64)
+def _on_cut(compliance: Compliance, v: float) -> Entries:
+    """Return the matrix at one slowness, whose entries all phases there share."""
+    return compliance.on_cut(np.array([v]))
 
 
 @dataclass(frozen=True)
@@ -75,7 +81,7 @@ class CutPhase:
             right = part.stretch.right
             if part.stretch.left < v and (right is None or v < right):
                 near = float(np.interp(part.stretch.coordinate(v), part.x, part.phase))
-                angle = float(np.angle(self.function(self.compliance.on_cut(np.array([v])))[0]))
+                angle = float(np.angle(self.function(_on_cut(self.compliance, v))[0]))
                 return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
         # A slowness that is a front lies in no open stretch: the phase just behind it is meant.
         return next(float(part.phase[0]) for part in self.table if part.stretch.left == v)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
+from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
@@ -25,7 +26,8 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     # Values up to 3 at points between those compared, or 6 under a film of resistance 1.5.
     error += 4.0 * tolerance * max(1.0, 3.0 * fine.interface.resistance)
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
-    move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
+    one, other = edge_tractions(fine), edge_tractions(coarse)
+    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, one))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
     slowest = fine.interface.compliance.last
@@ -34,7 +36,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     rates, others = _rates(fine), _rates(coarse)
     scale = np.abs(rates).max(axis=0)
     of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
-    changes = [shifts, left, of_rates, _traction_change(fine, coarse)]
+    changes = [shifts, left, of_rates, _traction_change(fine.interface, one.values, other.values)]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
 
@@ -59,9 +61,7 @@ def _rates(density: Density) -> Array:
     return np.array(result)
 
 
-def _traction_change(fine: Density, coarse: Density) -> Array:
-    """Return the differences of tau and sigma at edges, over themselves plus f P_b or P_b."""
-    one, other = edge_tractions(fine).values, edge_tractions(coarse).values
-    interface = fine.interface
+def _traction_change(interface: LoadedBodies, one: Array, other: Array) -> Array:
+    """Return differences of tau and sigma at edges, (e, 2), over themselves plus f P_b or P_b."""
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])
     return np.asarray(np.abs(one - other) / (np.abs(one) + held))

@@ -22,7 +22,7 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar_slot.densities.density import Density, density_of, exponents_of
+from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import PanelRule
 from semianalytic.dissimilar_slot.densities.zones import (
@@ -73,7 +73,7 @@ class EdgeTractions:
 
 def edge_tractions(density: Density) -> EdgeTractions:
     """Return the tractions at all edges, integrated from those of the base ahead of all waves."""
-    exponents, edges = exponents_of(density), edges_of(density.zones)
+    exponents, edges = density.exponents, edges_of(density.zones)
     # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
     start, exponent, total, values = density.interface.compliance.first / 2, 0.0, np.zeros(2), []
     for edge in edges:
@@ -83,9 +83,12 @@ def edge_tractions(density: Density) -> EdgeTractions:
     return EdgeTractions(np.array(edges), np.array(values).reshape(-1, 2))
 
 
-def mismatch(density: Density) -> Array:
-    """Return the residual of the condition at each edge, (e,), in the order of `edges_of`."""
-    interface, reached = density.interface, edge_tractions(density)
+def mismatch(density: Density, reached: EdgeTractions | None = None) -> Array:
+    """Return the residual of the condition at each edge, (e,), in the order of `edges_of`.
+
+    The tractions at the edges are formed unless they are given.
+    """
+    interface, reached = density.interface, reached or edge_tractions(density)
     left_by: dict[float, float] = {}
     slip = 0.0
     for index, (before, zone, after) in enumerate(neighbours(density.zones)):
@@ -137,8 +140,9 @@ def place(
     """Place the edges of zones by Newton's method, until a step is below a tolerance."""
     coordinates = coordinates_of(interface.compliance.distinct_fronts, edges_of(zones))
 
-    def at(unknowns: Array) -> Density:
-        return density_of(interface, glued, moved(zones, coordinates.edges(unknowns)), rule)
+    def at(unknowns: Array, near: Density | None = None) -> Density:
+        placed = moved(zones, coordinates.edges(unknowns))
+        return density_of(interface, glued, placed, rule, near)
 
     unknowns = coordinates.unknowns(edges_of(zones))
     density, inverse = at(unknowns), np.zeros((len(unknowns), len(unknowns)))
@@ -147,7 +151,8 @@ def place(
     values, before, renew, largest = mismatch(density), np.inf, True, np.inf
     for step in range(1, 15):  # two to five are usual from zones of the grid
         if renew:
-            beside = [mismatch(at(unknowns + nudge)) for nudge in _NUDGE * np.eye(len(unknowns))]
+            nudges = _NUDGE * np.eye(len(unknowns))
+            beside = [mismatch(at(unknowns + nudge, density)) for nudge in nudges]
             try:
                 jacobian = (np.array(beside).T - values[:, None]) / _NUDGE
                 inverse = np.asarray(np.linalg.inv(jacobian), dtype=float)
@@ -188,8 +193,10 @@ def polished(
     unknowns, inverse, coordinates = start.unknowns, start.inverse, start.coordinates
     interface, zones = start.density.interface, start.density.zones
     move, before, largest, steps = np.zeros(len(unknowns)), None, 0.0, 0
+    density: Density | None = None
     while True:
-        density = density_of(interface, glued, moved(zones, coordinates.edges(unknowns)), rule)
+        placed = moved(zones, coordinates.edges(unknowns))
+        density = density_of(interface, glued, placed, rule, density)
         if not len(unknowns):
             break
         values = mismatch(density)

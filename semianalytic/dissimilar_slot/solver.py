@@ -135,7 +135,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         newton_steps=trial.steps,
         zone_sets=trial.sets,
         unknowns=len(trial.placement.unknowns),
-        nodes=density.matrix.shape[1],
+        nodes=density.unknowns,
         residual=density.residual,
         smallest_singular_value=density.smallest_singular_value,
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
@@ -207,7 +207,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """Refine edges and densities until the error estimate is below rtol; return both."""
     if not trial.lawful:
         return trial, np.inf
-    placement, steps, tolerance = trial.placement, trial.steps, rtol / 10.0
+    # The estimate was 10 to 20 tolerances in 30 of 45 random pairs, and less in two of them.
+    placement, steps, tolerance = trial.placement, trial.steps, 0.03 * rtol
     for _ in range(4):  # rules tried until the estimate is below rtol
         canonical = glued(placement.density.interface.compliance, _CANONICAL * tolerance)
         placement = polished(placement, canonical, rule_for(tolerance), tolerance)

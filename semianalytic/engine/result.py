@@ -20,7 +20,7 @@ from semianalytic.engine.stepping.state import RunCheckpoint
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes, dataset
-from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -30,7 +30,6 @@ Array = NDArray[np.float64]
 
 SAME_TIME = 1e-9
 """Part of the time of a rupture within which two nodes slip at once: far below a step."""
-FORMAT = "run along a line 13"
 FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
@@ -109,6 +108,8 @@ class Run(LineAnswer):
     >>> done.slip([0.1, 0.2], 1.0).shape, done.status
     ((2,), 'done')
     """
+
+    saved_as, compression = "run along a line 13", 4
 
     scene: Scene
     nodes: int
@@ -326,20 +327,6 @@ class Run(LineAnswer):
         data.attrs.update({f"error_{name}": value for name, value in self.error_estimates.items()})
         return data
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write fields and checkpoint as HDF5; `Run.load` reads it, `run` continues it.
-
-        An earlier file of that name stays until the new one is complete.
-
-        Raises
-        ------
-        MissingLibraryError
-            If h5py is not installed.
-        DataFileError
-            If the file cannot be written.
-        """
-        write_answer(Path(path), FORMAT, self, compression=4)
-
     @classmethod
     def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Run:
         """Read a run that `save` wrote.
@@ -355,7 +342,7 @@ class Run(LineAnswer):
             of a scene with functions of Python, which is not given.
         """
         given: dict[str, Any] = {} if scene is None else {"scene": scene}
-        kept = Path(path), FORMAT, cls, "a file that this version saved", "compute it again"
+        kept = Path(path), cls.saved_as, cls, "a file that this version saved", "compute it again"
         run = read_answer(*kept, **given)
         scene = run.scene
         laid, touching = grid_of(scene, run.nodes).x, scene.contact.touches(run.interface.x)

@@ -193,9 +193,9 @@ class Transform:
             sizes = weight / (away + nearest)
             kept = sizes > tolerance * sizes.max()
             seen = _Seen.of(distances[kept], weights[kept], nearest, farthest, tolerance)
-            for row in np.flatnonzero(least == ring):
-                above, below = seen.sums(offset[row])
-                result[row] = above / below
+            rows = least == ring
+            above, below = seen.sums(offset[rows].ravel())
+            result[rows] = (above / below).reshape(-1, offset.shape[1])
         for border in self._borders:
             result /= offset + border.distance(centre)
         if self.pole is not None:

@@ -340,8 +340,8 @@ class CutPoints:
         return self.parts[3]
 
     def minus(self, other: CutPoints) -> Array:
-        """Return the differences from points that lie together, formed at their nearest front."""
-        return self.parts[other.nearest] - other.parts[other.nearest]
+        """Return the differences from other points, formed at the front nearest to these."""
+        return from_front(self.parts, other.fronts) - from_front(other.parts, other.fronts)
 
     @cached_property
     def first(self) -> list[float]:
@@ -355,6 +355,14 @@ class CutPoints:
         _, *distances = map(abs, self.first)
         return distances.index(min(distances)) + 1
 
+    @cached_property
+    def fronts(self) -> int | NDArray[np.intp]:
+        """The front nearest to each point, as in `nearest`: one number if all have the same."""
+        if self.parts.size == 4:
+            return self.nearest
+        each = np.abs(self.parts[1:]).argmin(axis=0) + 1
+        return int(each.flat[0]) if (each == each.flat[0]).all() else each
+
     def first_below(self, other: CutPoints) -> bool:
         """Return whether the first of these points is below the first of others."""
         return self.first[other.nearest] < other.first[other.nearest]
@@ -362,3 +370,10 @@ class CutPoints:
     def __getitem__(self, index: Any) -> CutPoints:
         """Return some of the points."""
         return CutPoints(self.parts[:, index])
+
+
+def from_front(parts: Array, fronts: int | NDArray[np.intp]) -> Array:
+    """Return distances (...) from one front, or from that of each set, out of `parts` (4, ...)."""
+    if isinstance(fronts, int):
+        return np.asarray(parts[fronts])
+    return np.where(fronts == 1, parts[1], np.where(fronts == 2, parts[2], parts[3]))

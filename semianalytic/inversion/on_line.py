@@ -27,7 +27,7 @@ from semianalytic.inversion.unknowns import (
     check_gains,
     is_of_setup,
 )
-from semianalytic.parameters.numbers import Number, numbers_of, spelled, with_numbers
+from semianalytic.parameters.numbers import Number, numbers_of, spelled
 from semianalytic.results.questions import between
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -117,13 +117,6 @@ class LineUnknowns(Unknowns):
     def value(self, name: str) -> float:
         """Return the value at which the search begins."""
         return super().value(name) if is_of_setup(name) else self.known[name].value
-
-    def at(self, values: Sequence[float]) -> tuple[Any, Setup]:
-        """Return interface and set-up with these values; errors are those of `Scene`."""
-        given = dict(zip(self.names, map(float, values), strict=True))
-        setup = {name: value for name, value in given.items() if is_of_setup(name)}
-        changes = {name: value for name, value in given.items() if name not in setup}
-        return with_numbers(self.scene, changes), self.setup_with(setup)
 
     def _least(self, name: str) -> float:
         if is_of_setup(name):

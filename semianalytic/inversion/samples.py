@@ -13,6 +13,7 @@ differenced centrally, with a step that balances their own error with its square
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -124,21 +125,28 @@ class Samples:
 
         Other times (n,) since the load may be given.
         """
-        t = self.t - setup.t0 if t is None else t
-        result = self._recorded(solution, setup.x0, t)
+        return self._finite(solution, setup.x0, self.t - setup.t0 if t is None else t)
+
+    def of_each(self, solution: Solution, setups: Sequence[Setup]) -> Array:
+        """Return what `of` returns in each of several set-ups, (s, n)."""
+        x0, t0 = np.array([(one.x0, one.t0) for one in setups]).T[..., None]
+        return self._finite(solution, x0, self.t - t0)
+
+    def _finite(self, solution: Solution, x0: float | Array, t: Array) -> Array:
+        result = self._recorded(solution, x0, t)
         lost = ~np.isfinite(result)
         if lost.any():  # on a front: as it is a moment later
-            result[lost] = self._recorded(solution, setup.x0, t + CLOSE * self.half)[lost]
+            result[lost] = self._recorded(solution, x0, t + CLOSE * self.half)[lost]
         # A value also infinite a moment later, at a stuck contact edge, becomes a huge misfit,
         # which least squares can still compare.
         return np.nan_to_num(result)
 
-    def _recorded(self, solution: Solution, x0: float, t: Array) -> Array:
+    def _recorded(self, solution: Solution, x0: float | Array, t: Array) -> Array:
         x, y = self.places[0] - x0, self.places[1]
-        result = np.empty(len(t))
+        result = np.empty(t.shape)
         for kind, look in self._looks.items():
-            rows = seen(solution, kind, x[look.first], y[look.first], t[look.first])
-            result[look.part] = rows[look.axis, look.which]
+            rows = seen(solution, kind, x[..., look.first], y[look.first], t[..., look.first])
+            result[..., look.part] = np.moveaxis(rows[look.axis, ..., look.which], 0, -1)
         return result
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -18,6 +18,7 @@ from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, h
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
@@ -173,8 +174,14 @@ class Trials:
             frictions = [f * p / before for f, p in zip(frictions, now, strict=True)]
         ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
         answers = sweep(self.unknowns.scene, frictions, 1e-4, poisson_ratio=ratios)
-        for (number, _, setup), answer in zip(ready, answers, strict=True):
-            rows[number] = self.misfit_of(answer, setup, points[number])
+        together: dict[Solution, list[int]] = {}  # trials of the set-up alone share an answer
+        for place, answer in enumerate(answers):
+            together.setdefault(answer, []).append(place)
+        for answer, places in together.items():
+            setups = [ready[place][2] for place in places]
+            for place, seen in zip(places, self.samples.of_each(answer, setups), strict=True):
+                number, _, setup = ready[place]
+                rows[number] = self._misfit(seen, setup, points[number])
         return rows
 
     @cached_property
@@ -187,12 +194,15 @@ class Trials:
 
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
         """Return the misfits (n,) of a solution that is known."""
-        samples = self.samples
-        seen = samples.gain(setup) * samples.of(solution, setup)
-        known = list(self.pulls(scaled).values())
+        return self._misfit(self.samples.of(solution, setup), setup, scaled)
+
+    def _misfit(self, seen: Array, setup: Setup, scaled: Array) -> Array:
+        """Return the misfits (n,) of what gauges would have seen without their gain."""
+        samples, known = self.samples, list(self.pulls(scaled).values())
         self._look(1)
         # Priors are samples of the parameters themselves, with their own deviations.
-        return np.concatenate([(seen - samples.values) / samples.noise, known])
+        misfits = (samples.gain(setup) * seen - samples.values) / samples.noise
+        return np.concatenate([misfits, known])
 
     def pulls(self, scaled: Array) -> dict[str, float]:
         """Return how far unknowns are from the middle of their priors, in deviations, by name."""
@@ -262,7 +272,10 @@ class Trials:
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
         column = np.zeros(len(t))
         if name in PARAMETERS and samples.on_interface.any():
-            column = samples.exact(solution.derivative(name), setup, t)
+            scene, of, share = solution.scene, name, 1.0
+            if name == "base_pressure" and self._pressure_is_strength and scene.coefficient:
+                of, share = "friction", scene.coefficient / scene.superposition.in_place.pressure
+            column = share * samples.exact(_derivative(solution, of), setup, t)
         # Exact derivatives exist on the interface for the parameters of `derivative` alone.
         lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
         if lacking.any():
@@ -324,3 +337,9 @@ class Trials:
     def grid_error(self, scaled: Array, fine: Solution) -> float:
         """Return by how much a grid changes records, over their noise: solutions have none."""
         return 0.0
+
+
+@lru_cache(maxsize=2)
+def _derivative(solution: Solution, name: str) -> Derivative:
+    """Return a derivative, which friction and a pressure that is strength share."""
+    return solution.derivative(name)

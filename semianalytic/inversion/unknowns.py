@@ -65,6 +65,7 @@ class Unknowns:
     scene: Scene
     setup: Setup
     duration: float
+    _made: dict[tuple[object, ...], Any] = field(default_factory=dict, init=False, repr=False)
 
     def value(self, name: str) -> float:
         """Return the value at which the search begins."""
@@ -74,12 +75,18 @@ class Unknowns:
             return float(getattr(self.setup, name))
         return self.setup.gains.get(name.removeprefix(_LONE_GAIN), 1.0)
 
-    def at(self, values: Sequence[float]) -> tuple[Scene, Setup]:
+    def at(self, values: Sequence[float]) -> tuple[Any, Setup]:
         """Return scene and set-up with these values; errors are those of `Scene`."""
         given = dict(zip(self.names, map(float, values), strict=True))
         of_setup = {name: given.pop(name) for name in self.names if is_of_setup(name)}
-        # all at once, for pressure and shear changed in turn might pass a base that slides
-        return with_numbers(self.scene, given), self.setup_with(of_setup)
+        key = tuple(given.items())
+        scene = self._made.get(key)
+        if scene is None:
+            # all at once, for pressure and shear changed in turn might pass a base that slides
+            scene = with_numbers(self.scene, given)
+            self._made.clear()  # trials of the set-up alone, one after another, share the last
+            self._made[key] = scene
+        return scene, self.setup_with(of_setup)
 
     def setup_with(self, values: Mapping[str, float]) -> Setup:
         """Return the set-up with other values of some of its parameters."""

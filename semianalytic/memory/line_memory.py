@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,10 +105,15 @@ class Kernels:
             # Real and imaginary parts lie side by side: their sums over poles are one product of
             # a vector with a matrix, in half the time of a sum over the real parts.
             parts = modes.view(modes.real.dtype)
-            np.add((np.ones(len(modes), parts.dtype) @ parts)[::2], lasting, out=out[0])
+            np.add((_ones(len(modes), parts.dtype) @ parts)[::2], lasting, out=out[0])
         else:
             np.multiply.outer(self.lasting, lasting, out=out)
             out += (self.reads @ modes).real
+
+
+@lru_cache
+def _ones(count: int, kind: np.dtype[Any]) -> Array:
+    return np.ones(count, kind)
 
 
 class Factors(NamedTuple):

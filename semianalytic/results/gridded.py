@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,10 @@ class Gridded:
 
     settings: Mapping[str, Any] = MappingProxyType({})
     """Settings of `solve` that were given for it."""
+    saved_as: ClassVar[str] = ""
+    """Format in which it is saved as it is; "" for an answer that is solved again."""
+    compression: ClassVar[int | None] = None
+    """Level of gzip with which it is then saved."""
 
     @property
     def has_bodies(self) -> bool:
@@ -55,7 +59,10 @@ class Gridded:
         self._unknown("displacement", "ask for slip and gap of the interface")
 
     def save(self: Any, path: str | Path) -> None:
-        """Write the scene and the settings of `solve` as HDF5, of which `sf.load` solves it again.
+        """Write the answer as HDF5: a march as it is, with all that continues it; of an exact one
+        the scene and the settings of `solve`, of which `sf.load` solves it again.
+
+        The file appears under its name only when it is complete; missing folders are made.
 
         Raises
         ------
@@ -66,7 +73,10 @@ class Gridded:
         """
         from semianalytic.results.saved import SOLVED, SavedScene, write_answer
 
-        write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
+        if self.saved_as:
+            write_answer(path, self.saved_as, self, compression=self.compression)
+        else:
+            write_answer(path, SOLVED, SavedScene(self.scene, dict(self.settings)))
 
     def plot(self: Any, ax: Any = None, t: float | None = None) -> Any:
         """Draw slip rate and tractions over x at a time, or the slip rate over (x, t).

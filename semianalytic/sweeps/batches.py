@@ -61,20 +61,13 @@ def batches(
 ) -> Iterator[list[int]]:
     """Group sets of zones that may share panels, those of trusted predictions last.
 
-    In a group every edge lies on one side of every cut, and close to one front or to none.
+    In a group every edge lies on one side of every cut, at which panels are divided.
     """
-    # Panels are divided at fronts and cuts, and distances are counted from the nearest front, so
-    # that sets of zones share panels only where their edges agree in both.
     groups: dict[tuple, list[int]] = {}
     for j, unknowns in enumerate(starts):
         points = edges.points(unknowns)
         sides = [[p.first_below(cut) for cut in edges.factors.cuts] for p in points]
-        close = [
-            p.nearest if np.abs(p.parts[p.nearest]).min() < tuning.CLOSE_TO_FRONT else 0
-            for p in points
-        ]
-        key = (*close, *np.ravel(sides).tolist())
-        groups.setdefault(key, []).append(j)
+        groups.setdefault(tuple(np.ravel(sides).tolist()), []).append(j)
     for group in groups.values():
         if trusted is not None:
             group.sort(key=lambda j: trusted[j])
@@ -213,7 +206,7 @@ def _located(
     A contraction is infinite where they failed; predictions of little doubt then are of other
     zones.
     """
-    rule = rule_for(loose_tolerance(rtol))
+    rule = rule_for(max(loose_tolerance(rtol), tuning.COARSEST))
     unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
     arrived = contraction < np.inf
     # A prediction that is hardly in doubt and yet leads nowhere means that the zones have changed;

@@ -76,9 +76,8 @@ def _key(solution: Solution) -> tuple:
     )
     places = []
     for p in _edges(fields.zones):
-        close = p.nearest if abs(p.first[p.nearest]) < tuning.CLOSE_TO_FRONT else 0
         below = (p.first_below(cut) for cut in fields.factors.cuts)
-        places.append((p.first[2] > 0, p.first[3] > 0, *below, close))
+        places.append((p.first[2] > 0, p.first[3] > 0, *below))
     return (*kinds, *places, len(fields.factors.cuts))
 
 

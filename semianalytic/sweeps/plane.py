@@ -11,6 +11,7 @@ where it fails, the point is solved from scratch.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from operator import itemgetter
 from time import perf_counter
@@ -21,20 +22,20 @@ from semianalytic.cut.load import common_load, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.search import loose_search
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.statistics import Statistics
-from semianalytic.selfsimilar.zones.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, shift_error
 from semianalytic.selfsimilar.zones.motion import slip_zones
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import ZoneSets, continued, linearised
+from semianalytic.sweeps.batches import ZoneSets, continued
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
-from semianalytic.sweeps.interpolation import fits
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import (
     Followed,
@@ -61,8 +62,15 @@ class Plane:
         # Poisson ratio.
         self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
         self.family = rayleigh_family(ratio)
-        self.factors = {one: rayleigh_factors(one) for one in np.unique(ratio).tolist()}
-        self.unit = min(scaled_load(scene)[1] for scene in scenes)
+        ratios, first = np.unique(ratio, return_index=True)
+        self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
+        # Loads do not depend on the Poisson ratio.
+        _, first, own = np.unique(friction, return_index=True, return_inverse=True)
+        loads = [scaled_load(scenes[i]) for i in first]
+        self.unit = min(unit for _, unit in loads)
+        # Zones slip ahead of all waves only where friction is reached there.
+        self.still = np.array([not load.far_slip_rate for load, _ in loads])[own]
+        self.critical = np.array([load.critical for load, _ in loads])[own]
         self.solutions: dict[int, Solution] = {}
         self.origin: dict[int, str] = {}
         self.zones: dict[int, Followed] = {}
@@ -84,8 +92,8 @@ class Plane:
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
-        # The first has six points to a side, each further one twice as many spaces.
-        left, spaces = np.ones(len(self.scenes), dtype=bool), 5
+        # The first has five points to a side, each further one twice as many spaces.
+        left, spaces = np.ones(len(self.scenes), dtype=bool), 4
         everywhere = Neighbourhood(self.places)
         while (spaces + 1) ** 2 < len(self.scenes):
             side = np.linspace(0, 1, spaces + 1)
@@ -101,26 +109,44 @@ class Plane:
     def _advance(self, targets: np.ndarray) -> None:
         """Solve some points with the help of those that are known."""
         if self.zones:
-            for rank in range(2):  # of the nearest known points
-                waiting = [int(i) for i in targets if self._closed[i] and i not in self.origin]
-                for (pattern, certain), some in self._patterns(waiting, rank).items():
-                    self._follow(pattern, certain, np.array(some))
+            # The whole level twice: what is found the first time helps what is left.
+            for _ in range(2):
+                left: dict[Pattern, list[Predictions]] = {}
+                for rank in range(2):  # of the nearest known points
+                    for pattern, (some, certain) in self._patterns(targets, rank).items():
+                        left.setdefault(pattern, []).append(self._follow(pattern, certain, some))
+                for pattern, parts in left.items():
+                    rest = joined(parts)
+                    self._compute(pattern, rest[self._unsolved(rest.points)])
         self._from_scratch([int(i) for i in targets if i not in self.origin])
 
-    def _patterns(self, targets: list[int], rank: int) -> dict[tuple[Pattern, bool], list[int]]:
-        """Group points by the pattern of a rank around, and by whether all around have it."""
-        if not targets:
-            return {}
+    def _unsolved(self, points: np.ndarray) -> np.ndarray:
+        """Return which points have no solution yet."""
+        return np.array([i not in self.origin for i in points.tolist()], dtype=bool)
+
+    def _patterns(
+        self, targets: np.ndarray, rank: int
+    ) -> dict[Pattern, tuple[np.ndarray, np.ndarray]]:
+        """Group points by the pattern of a rank around, with whether all around have it."""
+        targets = targets[self._closed[targets] & self._unsolved(targets)]
         known = np.array(list(self.zones))
         around = Neighbourhood(self.places[known])
         near = known[around.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
-        result: dict[tuple[Pattern, bool], list[int]] = {}
-        for i, indices in zip(targets, near.tolist(), strict=True):
-            # In the order of distance, each pattern once.
-            patterns = list(dict.fromkeys(self.zones[j].pattern for j in indices))
-            if rank < len(patterns) and fits(self._edges(patterns[rank], [i]), self.scenes[i]):
-                result.setdefault((patterns[rank], len(patterns) == 1), []).append(i)
-        return result
+        numbers: dict[Pattern, int] = {}
+        every = [numbers.setdefault(self.zones[i].pattern, len(numbers)) for i in known.tolist()]
+        own = np.zeros(len(self.scenes), dtype=int)
+        own[known] = every
+        differs = own[near] != own[near[:, :1]]
+        certain = ~differs.any(axis=1)
+        # In the order of distance, each pattern once.
+        chosen = own[near[np.arange(len(near)), differs.argmax(axis=1) if rank else 0]]
+        found = {}
+        for pattern, number in numbers.items():
+            fitting = (self.critical if pattern[1][0] else self.still)[targets]
+            some = (chosen == number) & fitting & ~(certain & bool(rank))
+            if some.any():
+                found[pattern] = targets[some], certain[some]
+        return found
 
     def _edges(self, pattern: Pattern, which: Sequence[int] | np.ndarray) -> Edges:
         """Return the edges of some points."""
@@ -134,8 +160,7 @@ class Plane:
     def _batches(
         self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
     ) -> Iterator[np.ndarray]:
-        """Yield groups of indices into `which` whose zones may share panels, sides and fronts
-        alike.
+        """Yield groups of indices into `which` whose zones may share panels.
 
         Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
         """
@@ -145,9 +170,7 @@ class Plane:
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
         distances = np.abs(parts[1:])
-        close = distances.min(axis=0) < tuning.CLOSE_TO_FRONT
-        nearest = np.where(close, distances.argmin(axis=0), 3)
-        keys = np.concatenate([[hiding], beyond, nearest])
+        keys = np.concatenate([[hiding == 2], beyond])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
         # is that of the digits at both ends plus ln(1/gap).
@@ -159,26 +182,22 @@ class Plane:
             size = np.cumsum((len(parts[0]) + 2) * nodes[some]) / tuning.PLANE_BATCH
             yield from np.split(some, np.flatnonzero(np.diff(size.astype(int))) + 1)
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
-    def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
-        """Try a pattern of zones at some points; keep those that satisfy Coulomb's law."""
+    def _follow(self, pattern: Pattern, certain: np.ndarray, targets: np.ndarray) -> Predictions:
+        """Try a pattern of zones at some points; return predictions that may still be right."""
         known = [i for i, one in self.zones.items() if one.pattern == pattern]
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
-        # Where neighbours disagree on the zones, Coulomb's law is asked on the fine rule, which
-        # therefore decides which points may share a batch.
-        rule = every.loose if certain else every.tolerance
         # A prediction in greater doubt goes to the fine rule at once, where full Newton steps may
         # still find the edges.
         led = np.flatnonzero(every.doubt < tuning.LEADING_DOUBT)
         left = [every[every.doubt >= tuning.LEADING_DOUBT]]
-        for batch in self._batches(pattern, targets[led], every.unknowns[led], rule[led]):
-            left.append(self._correct(pattern, certain, every[led[batch]]))
-        rest = joined(left)
-        for batch in self._batches(pattern, rest.points, rest.unknowns, rest.tolerance):
-            self._compute(pattern, rest[batch])
+        for batch in self._batches(pattern, targets[led], every.unknowns[led], every.loose[led]):
+            left.append(self._correct(pattern, certain[led[batch]], every[led[batch]]))
+        rest = joined(left)  # none of them is trusted
+        return replace(rest, doubt=np.maximum(rest.doubt, tuning.LEADING_DOUBT))
 
-    def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> Predictions:
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
+    def _correct(self, pattern: Pattern, certain: np.ndarray, some: Predictions) -> Predictions:
         """Keep predictions that a loose rule can correct; return others that may be right."""
         start = perf_counter()
         done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
@@ -191,8 +210,13 @@ class Plane:
         # A point that violates Coulomb's law has other zones and is not tried again with these.
         return done.approached[~(done.sound | done.refuted)]
 
-    def _compute(self, pattern: Pattern, some: Predictions) -> None:
+    def _compute(self, pattern: Pattern, every: Predictions, origin: str = COMPUTED) -> None:
         """Keep predictions that can be corrected on the fine rule."""
+        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance):
+            self._compute_batch(pattern, every[batch], origin)
+
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
+    def _compute_batch(self, pattern: Pattern, some: Predictions, origin: str) -> None:
         start, sets = perf_counter(), self._sets(pattern, some.points)
         done = continued(sets, some.each(), self.rtol)
         sound = np.flatnonzero(done.sound)
@@ -204,33 +228,34 @@ class Plane:
         rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
         parts = zip(now.T, rules, estimates, footings, strict=True)
         found = [Followed(pattern, *each) for each in parts]
-        self._keep(some.points[sound], found, COMPUTED, done.steps, done.nodes, seconds)
+        self._keep(some.points[sound], found, origin, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
-        """Solve points without help; those with converged edges help others."""
-        by_pattern: dict[Pattern, list[tuple[int, Array, float, float]]] = {}
+        """Solve points without help; those whose zones are found on the loose rule help others."""
+        self._search([i for i in targets if self._closed[i]])
         for i in targets:
-            solution = solve(self.scenes[i], rtol=self.rtol)
-            self.solutions[i], self.origin[i] = solution, FROM_SCRATCH
-            fields = solution.profile.fields
-            load = fields.load
-            if solution.status == "converged" and not (load.frictionless or load.opened):
-                edges, unknowns = edges_of(fields.factors, fields.zones)
+            if i not in self.origin:
+                self.solutions[i] = solve(self.scenes[i], rtol=self.rtol)
+                self.origin[i] = FROM_SCRATCH
+
+    def _search(self, targets: list[int]) -> None:
+        """Search the zones of points one by one on the loose rule, and refine them together."""
+        found: dict[Pattern, list[tuple[int, Array, Array]]] = {}
+        for i in targets:
+            load, unit = scaled_load(self.scenes[i])
+            if load.frictionless:
+                continue
+            factors = self.factors[self.scenes[i].material.poisson_ratio]
+            trial, _ = loose_search(factors, load, self.rtol)
+            edges, inverse = trial.placement.edges, trial.placement.inverse * (self.unit / unit)
+            if trial.lawful:
                 pattern = (edges.kinds, edges.open_ends, edges.segments)
-                one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
-                by_pattern.setdefault(pattern, []).append(one)
-        for pattern, some in by_pattern.items():
-            which, unknowns = (np.array([one[part] for one in some]) for part in (0, 1))
-            for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
-                sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
-                # Zones without edges have no Jacobian, but are a footing all the same.
-                inverse = np.zeros((len(batch), 0, 0))
-                if len(now):
-                    inverse, _ = linearised(sets, now, self.loose)
-                footings = _footings(sets, now, inverse, self.loose)
-                for k, footing in zip(batch, footings, strict=True):
-                    i, one, tolerance, estimate = some[k]
-                    self.zones[i] = Followed(pattern, one, tolerance, estimate, footing)
+                found.setdefault(pattern, []).append((i, trial.placement.unknowns, inverse))
+        for pattern, some in found.items():
+            points, unknowns, inverse = (np.array(part) for part in zip(*some, strict=True))
+            doubt, rule = (np.full(len(some), one) for one in (tuning.LOCATED, self.rtol / 20.0))
+            every = Predictions(points, unknowns, doubt, inverse, inverse, rule, rule, rule)
+            self._compute(pattern, every, FROM_SCRATCH)
 
     def _keep(
         self,

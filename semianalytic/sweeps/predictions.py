@@ -79,9 +79,8 @@ class Predictions:
         return Predictions(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def each(self) -> list[Prediction]:
-        """Return the predictions for correction on the fine rule, none of them trusted."""
-        doubt = np.maximum(self.doubt, tuning.LEADING_DOUBT)
-        parts = zip(self.unknowns, self.inverse, doubt, self.tolerance, strict=True)
+        """Return the predictions for correction on the fine rule."""
+        parts = zip(self.unknowns, self.inverse, self.doubt, self.tolerance, strict=True)
         return [Prediction(one, two, float(off), rule) for one, two, off, rule in parts]
 
 
@@ -186,48 +185,49 @@ class CorrectedZones:
 
 
 def corrected(
-    sets: ZoneSets, predictions: Predictions, certain: bool, rtol: float
+    sets: ZoneSets, predictions: Predictions, certain: np.ndarray, rtol: float
 ) -> CorrectedZones:
     """Correct predictions on the loosest rule that is accurate enough, and check Coulomb's law.
 
-    The check is as strict as that rule allows, or, if the zones are not certain, as strict as on
-    the fine rule.
+    The check is as strict as that rule allows, or, where the zones are not certain (k,), as strict
+    as on the fine rule.
     """
     loosest = loose_tolerance(rtol)
     unknowns, inverse = predictions.unknowns.T.copy(), predictions.inverse.copy()
     # Near predictions need no steps on the loosest rule: their first step is the chord step below.
-    arrived = np.ones(len(predictions), dtype=bool)
+    sound = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     if len(unknowns) and len(far):
         some = sets.chosen(far), unknowns[:, far], inverse[far]
-        unknowns[:, far], better, left, _ = approached(*some, rule_for(loosest))
-        arrived[far] = left < np.inf
+        coarse = rule_for(max(loosest, tuning.COARSEST))
+        unknowns[:, far], better, left, _ = approached(*some, coarse)
+        sound[far] = left < np.inf
         inverse[far[left < np.inf]] = better[left < np.inf]
     nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
     # The least tolerance of the batch serves all of its points, which share panels.
     fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
-    estimate = predictions.estimate
-    sound = arrived.copy()
+    estimate = predictions.estimate.copy()
     if len(unknowns):
         both = inverse, predictions.others
         unknowns, left = _stepped(sets, unknowns, fields, both, rtol - estimate)
         sound &= sets.edges.admits(unknowns)
         # `left` is what the chord steps leave; the estimate held neighbours' errors and the lack of
         # the rule.
-        estimate = estimate + SAFETY * left
-    law = tuning.LOOSE_CHECK * loosest
-    if not certain:  # the law is asked of edges in their places
-        law, rule = min(rtol, tuning.LOOSEST_LAW), rule_for(float(predictions.tolerance.min()))
-        sound &= estimate <= rtol
-        fields = sets.fields(np.where(sound, unknowns, nearer.unknowns.T), rule)
-    profile = Profile(fields)
-    lawful = admissible(profile, law)
-    if not certain:
+        estimate += SAFETY * left
+    sound &= estimate <= rtol
+    lawful = ~certain
+    if certain.any():
+        lawful |= admissible(Profile(fields), tuning.LOOSE_CHECK * loosest)
+    asked = np.flatnonzero(sound & ~certain)
+    if len(asked):  # of edges in their places, on the fine rule
+        rule = rule_for(float(predictions.tolerance[asked].min()))
+        profile = Profile(sets.chosen(asked).fields(unknowns[:, asked], rule))
+        lawful[asked] = admissible(profile, min(rtol, tuning.LOOSEST_LAW))
         # Beside other zones a small one may lie between the nodes; where neighbours all agree,
         # their own estimates hold it.
-        estimate = estimate + missed_slip(profile)
-    sound &= estimate <= rtol
-    refuted = sound & ~lawful & (not certain)
+        estimate[asked] += missed_slip(profile)
+        sound &= estimate <= rtol
+    refuted = sound & ~lawful & ~certain
     nodes = fields.panels.jacobian[:, 0].size
     return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes, nearer)
 

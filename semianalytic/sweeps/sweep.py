@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from os import PathLike
 from typing import Any, overload
@@ -18,6 +18,7 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.given.finding import scene_of_one_solid
+from semianalytic.scene.laws.kinds import checked_friction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
@@ -273,22 +274,17 @@ def _numbers(name: str, given: np.ndarray) -> Array:
 
 def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], list[str]]:
     """Return the solutions at Poisson ratios and frictions (2, n), in order, and their origins."""
-    materials = {
-        ratio: replace(scene.material, poisson_ratio=ratio) for ratio in set(points[0].tolist())
-    }
-    scenes = [
-        replace(scene, material=materials[nu], friction=scene.law.with_coefficient(f))
-        for nu, f in points.T.tolist()
-    ]
+    scenes = _scenes(scene, points)
     coulomb = isinstance(scene.friction, float) and scene.shear_mode == "II"
     # tables of many solids at once are those of loads that come at once
     coulomb = coulomb and not scene.front_slowness
     # With many frictions for each Poisson ratio, following them one ratio at a time is faster than
     # in the plane.
-    scattered = len(scenes) < 400 * len(materials)
+    several = len(set(points[0].tolist()))
+    scattered = len(scenes) < 400 * several
     runs: list[Any] = []
     # Neighbours of other Poisson ratios help from 300 points on.
-    if coulomb and scattered and len(materials) > 1 and len(scenes) >= 300:
+    if coulomb and scattered and several > 1 and len(scenes) >= 300:
         from semianalytic.sweeps.plane import Plane  # here, for a quick import
 
         runs.append(Plane(scenes, rtol))
@@ -303,3 +299,23 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
         solutions += [run.solutions[i] for i in range(len(run.scenes))]
         origin += [run.origin[i] for i in range(len(run.scenes))]
     return solutions, origin
+
+
+def _scenes(scene: Scene, points: Array) -> list[Scene]:
+    """Return a scene at Poisson ratios and frictions (2, n).
+
+    What holds for the least and the largest friction holds between them: these alone are checked.
+    """
+    parts: dict[float, dict[str, Any]] = {}
+    for ratio in set(points[0].tolist()):
+        material = replace(scene.material, poisson_ratio=ratio)
+        for friction in (points[1].min(), points[1].max()):
+            law = scene.law.with_coefficient(float(friction))
+            checked = replace(scene, material=material, friction=law)
+        names = {*(one.name for one in fields(checked)), "_made_in_si"}
+        parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
+    scenes = [object.__new__(Scene) for _ in range(points.shape[1])]
+    for one, ratio, friction in zip(scenes, *points.tolist(), strict=True):
+        checked_law = checked_friction(scene.law.with_coefficient(friction))
+        vars(one).update(parts[ratio], friction=checked_law)
+    return scenes

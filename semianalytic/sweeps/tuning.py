@@ -28,12 +28,14 @@ LEAST_CONTRACTION = 1e-3
 """Least share of itself that a chord step leaves."""
 TRUSTED_DOUBT = 1e-3
 """Doubt of a prediction below which it needs no Newton's method. Twice: work 7 % more."""
+LOCATED = 5e-4
+"""Doubt of zones located on the loose rule, in which the fine rule is trusted to correct them."""
 LEADING_DOUBT = 0.2
 """Doubt below which a prediction needs no full Newton's method: else zones are others."""
 LOOSEST_LAW = 1e-4
 """Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
-CLOSE_TO_FRONT = 1e-3
-"""Distance in slowness from a front below which differences are formed there."""
+COARSEST = 1e-3
+"""Tolerance of the rule on which edges are approached to `NEAR`: 1e-4 takes 5 to 10 % longer."""
 
 # Interpolation between frictions (interpolation)
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import logging
 import re
 
 import pytest
@@ -29,3 +30,4 @@ def test_snippet_runs_as_pasted(name, tmp_path, monkeypatch):
     with contextlib.redirect_stdout(io.StringIO()):
         exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "pasted"})
     pyplot.close("all")
+    logging.getLogger("semianalytic").setLevel(logging.NOTSET)  # one program sets it

@@ -8,15 +8,18 @@ import numpy as np
 
 from semianalytic.cut.quadrature.layout import Layout, Zone, outline
 from semianalytic.cut.quadrature.panels import Panels
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, from_front
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 
-def _steps(parts: Array, nearest: np.ndarray) -> Array:
+def _steps(points: list[CutPoints], parts: Array) -> Array:
     """Return distances (m - 1, ..., 1) between consecutive ends (4, m, ..., 1)."""
     # Measured from the front nearest to the left end, where narrow widths keep their digits.
-    order, front = np.arange(len(nearest) - 1), nearest[:-1]
-    return parts[front, order + 1] - parts[front, order]
+    steps = [
+        from_front(parts[:, i + 1], point.fronts) - from_front(parts[:, i], point.fronts)
+        for i, point in enumerate(points[:-1])
+    ]
+    return np.array(steps).reshape(len(steps), *parts.shape[2:])
 
 
 def _aligned(point: CutPoints, batch: tuple[int, ...]) -> Array:
@@ -50,7 +53,9 @@ def _fitted_rule(
     if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
         # The hidden root lies at this |Im y|, which limits the strip of analyticity.
-        angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
+        angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden)))
+        # one that is real lies off the panels
+        angle = np.where(np.imag(hidden) > 0, angle, np.pi).reshape(layout.ahead, -1)
         strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)
     if layout.over_c >= 0:
         before, *after = np.abs(ends[3, layout.over_c : layout.over_c + 2])
@@ -93,7 +98,7 @@ def lay_panels(
     """
     points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)
-    widths = _steps(ends, np.array([point.nearest for point in points]))
+    widths = _steps(points, ends)
     rule = _fitted_rule(factors, layout, ends, widths, rule)
     skew, bounded = _skews(layout, ends, rule), len(points) - 1
     nodes = _Nodes.unset((len(layout.sense), *ends.shape[2:-1], len(rule.y)))

@@ -237,6 +237,7 @@ class Layout:
         return [[index for index, _ in group] for _, group in groups]
 
 
+@lru_cache(maxsize=1024)
 def _pairs_from(count: int, sources: tuple[int, ...]) -> Pairs:
     return _paired(count, {(s, t): 1.0 for s in sources for t in range(count) if s != t})
 

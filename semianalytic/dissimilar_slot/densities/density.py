@@ -38,6 +38,9 @@ from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
 from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
 from semianalytic.halfplane.rayleigh import Array
 
+Factor = tuple[Array, bool] | None
+"""Cholesky factor of normal equations, as scipy gives it; None if they are singular."""
+
 
 @dataclass(frozen=True, eq=False)
 class OnPanel:
@@ -81,8 +84,8 @@ class Density:
         dV/dx and dU/dx at the nodes of every panel, times the spacing.
     amplitudes : tuple of (p, 2) arrays
         Amplitudes of both kinds of every pole on every panel.
-    matrix : (m, n) array
-        Matrix of the equations.
+    factor : tuple or None
+        Factor of the normal equations, or of those of zones that are near.
     residual : float
         Largest residual over the largest right-hand side.
     """
@@ -93,7 +96,7 @@ class Density:
     parts: tuple[OnPanel, ...]
     slopes: tuple[Array, ...]
     amplitudes: tuple[Array, ...]
-    matrix: Array
+    factor: Factor
     residual: float
 
     @cached_property
@@ -101,6 +104,22 @@ class Density:
         """z(0), (2,)."""
         interface = self.interface
         return self.glued.constant(interface.load_shear, interface.load_pressure)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of the equations."""
+        return sum(part.unknowns for part in self.parts)
+
+    @cached_property
+    def exponents(self) -> dict[float, float]:
+        """Exponents of the slopes of tractions at all zone edges."""
+        result: dict[float, float] = {}
+        for before, zone, after in neighbours(self.zones):
+            left, right = edge_exponents(self.interface, before, zone, after)
+            result[zone.left] = left
+            if zone.right is not None and right is not None:
+                result[zone.right] = right
+        return result
 
     @cached_property
     def masses(self) -> Array:
@@ -116,16 +135,13 @@ class Density:
         """Smallest singular value; well below 0.1 the equations do not determine the densities."""
         if not self.parts:
             return 1.0
-        from scipy.linalg import cho_factor, cho_solve
-
-        normal = self.matrix.T @ self.matrix
-        try:
-            factor = cho_factor(normal)
-        except np.linalg.LinAlgError:
+        if self.factor is None:
             return 0.0
-        vector = np.random.default_rng(0).standard_normal(len(normal))
+        from scipy.linalg import cho_solve
+
+        vector = np.random.default_rng(0).standard_normal(self.unknowns)
         for _ in range(12):  # the smallest singular value is then known to a tenth
-            vector = cho_solve(factor, vector / np.linalg.norm(vector))
+            vector = cho_solve(self.factor, vector / np.linalg.norm(vector))
         # The iteration tends to the largest eigenvalue of (M^T M)^(-1), which is 1 / sigma^2.
         return float(np.linalg.norm(vector) ** -0.5)
 
@@ -191,8 +207,8 @@ class Density:
 
     def z(self, stretch: Stretch, points: Points) -> Values:
         """Return z(k), (m, 2), at points k = -v off the zones, on a stretch without zone edges."""
-        differences = np.concatenate([self._from(stretch, points, part) for part in self.parts])
-        sums = (1 / differences).T @ self.masses
+        from_nodes = [self._from(stretch, points, part) for part in self.parts]
+        sums = _cauchy(np.concatenate(from_nodes, axis=1), points.v.imag, self.masses)
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
     def above(self, place: float, offset: Complex) -> Values:
@@ -206,18 +222,18 @@ class Density:
             start += part.panel.count
         return np.asarray(self.constant - k[:, None] * total)
 
-    def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Values:
-        """Return the nodes of a panel less the points, (n, m), from the nearer end."""
+    def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Array:
+        """Return real parts of the nodes of a panel less points, (m, n), from the nearer end."""
         panel = part.panel
         # Without a right end all points are counted from the left one.
         near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
-        result = np.empty((panel.count, len(points.v)), dtype=points.v.dtype)
+        result = np.empty((len(points.v), panel.count))
         for near, end, distance in (
             (near_left, stretch.left, points.from_left),
             (~near_left, stretch.right, -points.to_right),
         ):
             if end is not None and near.any():
-                result[:, near] = _nodes_from(panel, end)[:, None] - distance[near]
+                result[near] = _nodes_from(panel, end) - distance[near, None].real
         return result
 
     def tractions(self, stretch: Stretch, points: Points) -> Values:
@@ -231,6 +247,19 @@ class Density:
         return np.asarray((entries.inverse @ (rates @ z[..., None]))[..., 0])
 
 
+def _cauchy(real: Array, imag: Array, masses: Array) -> Values:
+    """Return the sums (m, 2) of masses (n, 2) over real (m, n) - i imag (m,)."""
+    if not imag.any():
+        return np.asarray((1 / real) @ masses)
+    # real arithmetic takes half the time of complex division
+    over = np.square(real)
+    over += np.square(imag)[:, None] + 1e-300  # nothing is that close but what does not count
+    np.reciprocal(over, out=over)
+    turned = imag[:, None] * (over @ masses)
+    over *= real
+    return np.asarray(over @ masses + 1j * turned)
+
+
 def _nodes_from(panel: Panel, end: float) -> Array:
     """Return the nodes of a panel less a slowness, exactly if that is an end of the panel."""
     stretch, nodes = panel.stretch, slice(0, panel.count)
@@ -241,19 +270,24 @@ def _nodes_from(panel: Panel, end: float) -> Array:
 
 
 def density_of(
-    interface: LoadedBodies, glued: Glued, zones: Sequence[MovingZone], rule: PanelRule
+    interface: LoadedBodies,
+    glued: Glued,
+    zones: Sequence[MovingZone],
+    rule: PanelRule,
+    near: Density | None = None,
 ) -> Density:
-    """Solve the equations on given zones."""
+    """Solve the equations on given zones, by the factor of zones that are near them if given."""
     parts = tuple(_on_panel(interface, glued, p) for p in panels_of(interface, zones, rule))
     if not parts:
-        return Density(interface, glued, (), (), (), (), np.zeros((0, 0)), 0.0)
+        return Density(interface, glued, (), (), (), (), None, 0.0)
     constant = glued.constant(interface.load_shear, interface.load_pressure)
     blocks = [_equations(interface, target, parts, constant) for target in parts]
     closing = [_closing(parts, i) for i, zone in enumerate(zones) if zone.open and zone.right]
     matrix = np.concatenate([*(block for block, _ in blocks), *closing])
     # More rows than unknowns: nodes and points between them, and one row for each gap that closes.
     right = np.concatenate([*(values for _, values in blocks), np.zeros(len(closing))])
-    solution = _least_squares(matrix, right)
+    alike = near is not None and near.unknowns == matrix.shape[1]
+    solution, factor = _least_squares(matrix, right, near.factor if near and alike else None)
     residual = float(np.abs(matrix @ solution - right).max() / (np.abs(right).max() or 1.0))
     slopes, amplitudes, start = [], [], 0
     for part in parts:
@@ -265,19 +299,8 @@ def density_of(
         amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
         start += part.unknowns
     return Density(
-        interface, glued, tuple(zones), parts, tuple(slopes), tuple(amplitudes), matrix, residual
+        interface, glued, tuple(zones), parts, tuple(slopes), tuple(amplitudes), factor, residual
     )
-
-
-def exponents_of(density: Density) -> dict[float, float]:
-    """Return the exponents of the slopes of tractions at all zone edges."""
-    result: dict[float, float] = {}
-    for before, zone, after in neighbours(density.zones):
-        left, right = edge_exponents(density.interface, before, zone, after)
-        result[zone.left] = left
-        if zone.right is not None and right is not None:
-            result[zone.right] = right
-    return result
 
 
 def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
@@ -348,15 +371,24 @@ def _equations(
     return np.concatenate(blocks), np.concatenate(values)
 
 
-def _least_squares(matrix: Array, right: Array) -> Array:
-    """Return the least-squares solution, by normal equations and one step of refinement."""
+def _least_squares(matrix: Array, right: Array, factor: Factor) -> tuple[Array, Factor]:
+    """Return the least-squares solution and the factor of its normal equations.
+
+    The factor of a matrix that is near serves for its own where corrections by it shrink fast.
+    """
     from scipy.linalg import cho_factor, cho_solve  # here, for a quick import
 
+    if factor is not None:
+        solution = np.zeros(len(factor[0]))
+        for _ in range(5):  # three are usual: edges move by 1e-5 and less on one rule
+            rest = cho_solve(factor, (right - matrix @ solution) @ matrix)
+            solution += rest
+            if np.abs(rest).max() <= 1e-12 * np.abs(solution).max():
+                return solution, factor
     # No singular value is small where the zones have an answer: squares cost no digit.
-    normal = matrix.T @ matrix
     try:
-        factor = cho_factor(normal)
+        factor = cho_factor(matrix.T @ matrix, overwrite_a=True)
     except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
-    solution = cho_solve(factor, matrix.T @ right)
-    return np.asarray(solution + cho_solve(factor, matrix.T @ (right - matrix @ solution)))
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0]), None
+    solution = cho_solve(factor, right @ matrix)
+    return np.asarray(solution + cho_solve(factor, (right - matrix @ solution) @ matrix)), factor

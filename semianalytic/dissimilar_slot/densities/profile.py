@@ -21,7 +21,7 @@ from semianalytic.dissimilar.table import (
     interval_weights,
     padded,
 )
-from semianalytic.dissimilar_slot.densities.density import Density, OnPanel, exponents_of
+from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
 from semianalytic.dissimilar_slot.densities.poles import Pole
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.halfplane.rayleigh import Array
@@ -103,7 +103,7 @@ class PairProfile:
         # Hidden zeros of the bonded interface lie next to the cut, and tractions change fast there.
         ends = [v for v in (*compliance.distinct_fronts, *turns, *edges) if v > left]
         stretch = Stretch(left, min(ends, default=None))
-        exponents = self._exponents
+        exponents = density.exponents
 
         def reach(end: float) -> float:
             # At a front of both bodies slopes are like d^(-1/2); the integrand falls to e^-28.
@@ -237,11 +237,6 @@ class PairProfile:
                 weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
                 result.append((part.at(points.x, points.v), weights * slope))
         return result
-
-    @cached_property
-    def _exponents(self) -> dict[float, float]:
-        """Exponents of the slopes of tractions at all zone edges."""
-        return exponents_of(self.density)
 
     def at(self, u: Array) -> Array:
         """Return the six functions at slownesses u >= 0, (6, n); they are 0 ahead of all waves."""

@@ -21,10 +21,9 @@ from semianalytic.engine.convergence import Departure
 from semianalytic.engine.scenes.loads import table_bytes
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import state_bytes
-from semianalytic.engine.scenes.record import SlotRecord
-from semianalytic.engine.scenes.slot import SlotLine, spans_to, spans_until
-from semianalytic.engine.stepping.advance import Span, through
-from semianalytic.engine.stepping.blocks import EqualSteps
+from semianalytic.engine.scenes.record import Walk
+from semianalytic.engine.scenes.slot import spans_to, spans_until
+from semianalytic.engine.stepping.advance import Span
 from semianalytic.results.memory import check_memory, memory_limit
 
 BYTES_STORED = 32
@@ -32,53 +31,6 @@ BYTES_STORED = 32
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], object]
-
-
-class _Walk:
-    """A march under way through spans of time, and its record, of which every n-th is stored."""
-
-    def __init__(
-        self,
-        marched: Marched,
-        spans: list[Span],
-        finest: float,
-        every: int,
-        block: int | None = None,
-    ) -> None:
-        self._spans, self.grid = spans, marched.grid
-        self.line = SlotLine(marched, finest)
-        self.blocks = EqualSteps(self.line, marched.reached, block)
-        steps = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
-        self.record = SlotRecord(marched, steps, every)
-        self._first = self.line.after(marched.end_time, spans[0].step)
-        self._jumps = marched.end_time in (marched.begins, *self.line.jumps)
-
-    def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
-        """Step on block by block, and record it, until `asked` says so; yield whether it did."""
-        stopped = False
-
-        def ends(time: float) -> bool:
-            nonlocal stopped
-            stopped = asked(time)
-            return stopped
-
-        blocks, record, first = self.blocks, self.record, self._first
-        if self._jumps:
-            blocks.jump(first)
-            record.turn(blocks)
-            record.begin(blocks, first.pressure)
-        else:
-            blocks.recall(first.pressure)
-        for _ in through(self.line, blocks, self._spans, ends):
-            if len(blocks.times) > 1:
-                record.add(blocks, stopped)
-            else:
-                record.turn(blocks)
-            yield stopped
-
-    def reached(self) -> Marched:
-        """Return the march until the state reached."""
-        return self.record.reached(self.blocks, past=self.line.memory.past())
 
 
 def advance(
@@ -116,16 +68,18 @@ def advance(
     # The steps are those of a march until `latest`, wherever it stops and goes on.
     whole = spans_until(marched)
     finest, spans = min(span.step for span in whole), spans_to(whole, marched.end_time, end_time)
+    if not spans:  # the end has been reached but for rounding
+        return marched
     # `every` is chosen before the first step, from all memory that the march will hold at once.
     every = affordable_every(marched, memory, spans, finest)
-    walk, behind = _Walk(marched, spans, finest, every), None
-    steps, counted, told = walk.record.steps, 0, False
+    walk, behind = Walk(marched, spans, finest, every), None
+    counted, told = 0, False
 
     def asked(at: float) -> bool:
         nonlocal counted, told
         counted += 1
         if progress is not None and not told:
-            told = progress(counted, steps) is True
+            told = progress(counted, walk.count) is True
         return told and counted % 2 == 0  # where the companion has a level
 
     departure, companion, ended = marched.departure, marched.companion, False
@@ -133,7 +87,7 @@ def advance(
     if companion is not None:
         coarser = [span._replace(step=2 * span.step) for span in spans]
         # Half of `every`, rounded up, of half the steps: levels lie at about the same times.
-        behind = _Walk(companion, coarser, 2 * finest, -(-every // 2), walk.blocks.block // 2)
+        behind = Walk(companion, coarser, 2 * finest, -(-every // 2), walk.blocks.block // 2)
         follows = behind.steps(lambda at: ended and at >= walk.blocks.time)
     for ended in walk.steps(asked):  # noqa: B007
         next(follows)
@@ -148,7 +102,7 @@ def advance(
     return replace(marched, companion=companion, departure=departure, statistics=statistics)
 
 
-def _departure(before: Departure, walk: _Walk, behind: _Walk) -> Departure:
+def _departure(before: Departure, walk: Walk, behind: Walk) -> Departure:
     """Return a departure with the last block of a march and its companion, by the trapezoidal rule.
 
     Companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march.

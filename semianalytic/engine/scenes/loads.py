@@ -220,7 +220,7 @@ def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
     }
 
     def tractions(name: Literal["pressure", "shear"], t: float, step: float) -> tuple[Any, Any]:
-        base = getattr(scene.base, name)
+        base = getattr(scene.before_load, name)
         if name not in fronts:
             return base, base
         load = loaded * fronts[name].traction(x, t, of=name, spread=(grid.spacing, step))

@@ -29,15 +29,13 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
-from semianalytic.results.saved import read_answer, write_answer
+from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene, Tractions
 
 Array = NDArray[np.float64]
-
-FORMAT = "slipfront march 6"
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +170,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     """
 
     method = "space-time"
+    saved_as = "slipfront march 6"
 
     scene: Scene
     interface: InterfaceHistory
@@ -388,33 +387,9 @@ class Marched(AnswerInBodies, SampledAnswer):
             f"{error}>"
         )
 
-    def save(self, path: str | Path) -> None:
-        """Write the march as HDF5, to be loaded or continued.
-
-        The file appears under its name only when it is complete.
-
-        Parameters
-        ----------
-        path : path
-            File to write; missing folders are made.
-
-        Raises
-        ------
-        MissingLibraryError
-            If h5py is not installed.
-        DataFileError
-            If the file cannot be written.
-        """
-        write_answer(path, FORMAT, self)
-
     @classmethod
     def load(cls, path: str | Path) -> Marched:
         """Read a march that `save` wrote.
-
-        Parameters
-        ----------
-        path : path
-            File to read.
 
         Raises
         ------
@@ -423,4 +398,4 @@ class Marched(AnswerInBodies, SampledAnswer):
         DataFileError
             If the file is missing, damaged or not a march.
         """
-        return read_answer(path, FORMAT, cls, "a file of one", "march again")
+        return read_answer(path, cls.saved_as, cls, "a file of one", "march again")

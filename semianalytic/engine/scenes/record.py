@@ -1,8 +1,8 @@
-"""The record of a march beside a slot: fields at stored levels, and totals of every step."""
+"""A march beside a slot under way, and its record: fields at stored levels, totals of all."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.scenes.slot import SlotLine
+from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import EqualSteps
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
@@ -17,25 +19,40 @@ from semianalytic.results.sampled import Totals
 Array = NDArray[np.float64]
 
 
-class SlotRecord:
-    """Fields of the observed contact at every n-th level and the last; totals and extremes of all.
+class Walk:
+    """A march under way through spans of time, block by block, and its record: fields of the
+    observed contact at every n-th level and the last; totals and extremes of all.
 
     Parameters
     ----------
     marched : Marched
         The march that goes on.
-    steps : int
-        Steps to come.
+    spans : list of Span
+        Spans to come.
+    finest : float
+        Shortest step of the whole march [time].
     every : int
         n; levels are counted from t = 0, so that a continued march stores the same ones.
+    block : int, optional
+        Steps of a block.
     """
 
-    def __init__(self, marched: Marched, steps: int, every: int) -> None:
-        self._marched, self.steps, self.every, self.taken = marched, steps, every, 0
+    def __init__(
+        self,
+        marched: Marched,
+        spans: list[Span],
+        finest: float,
+        every: int,
+        block: int | None = None,
+    ) -> None:
+        self._marched, self._spans, self.every, self.taken = marched, spans, every, 0
+        self.grid, self._line = marched.grid, SlotLine(marched, finest)
+        self.blocks = EqualSteps(self._line, marched.reached, block)
+        self.count = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
         self._seen, earlier, before = marched.seen, marched.interface, marched.statistics.steps
-        whole = (before + steps) // every - before // every
+        whole = (before + self.count) // every - before // every
         # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
-        levels = (not len(earlier.t)) + whole + bool((before + steps) % every) + 1
+        levels = (not len(earlier.t)) + whole + bool((before + self.count) % every) + 1
         # a march ends where the contact would open, so that the gap, the last field, is zero
         stored = [getattr(earlier, one.name) for one in fields(earlier)][1:-1]
         # the pressure before is that of all levels where no load changes it
@@ -43,37 +60,60 @@ class SlotRecord:
         self._held = np.zeros(marched.grid.observed)
         self._stored = _Rows(stored[:-1] if self._steady else stored, levels)
         summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
-        self._summed = _Rows(summed, (not before) + steps)
+        self._summed = _Rows(summed, (not before) + self.count)
 
-    def turn(self, blocks: EqualSteps) -> None:
+    def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
+        """Step on block by block, and record it, until `asked` says so; yield whether it did."""
+        stopped, blocks, start = False, self.blocks, self._marched.end_time
+
+        def ends(time: float) -> bool:
+            nonlocal stopped
+            stopped = asked(time)
+            return stopped
+
+        first = self._line.after(start, self._spans[0].step)
+        if start in (self._marched.begins, *self._line.jumps):
+            blocks.jump(first)
+            self._turn()
+            self._begin(first.pressure)
+        else:
+            blocks.recall(first.pressure)
+        for _ in through(self._line, blocks, self._spans, ends):
+            if len(blocks.times) > 1:
+                self._add(stopped)
+            else:
+                self._turn()
+            yield stopped
+
+    def _turn(self) -> None:
         """Add the level after a jump of loads to the extremes: both levels there are the same one,
         so that nothing is interpolated across the jump."""
-        now = self._marched.grid.observe(blocks.levels[0][-1:])
-        self._seen = self._seen.with_levels(blocks.times[-1:] * 2, np.concatenate([now, now]))
+        now = self.grid.observe(self.blocks.levels[0][-1:])
+        self._seen = self._seen.with_levels(self.blocks.times[-1:] * 2, np.concatenate([now, now]))
 
-    def begin(self, blocks: EqualSteps, pressure: Array) -> None:
+    def _begin(self, pressure: Array) -> None:
         """Store the level that is reached if the record begins there."""
-        at = blocks.times[-1:]
+        at = self.blocks.times[-1:]
         if at[0] == self._marched.recorded_from and not self._stored.count:
-            rate, traction, slip, path, work = (one[-1:] for one in blocks.levels)
+            rate, traction, slip, path, work = (one[-1:] for one in self.blocks.levels)
             self._store(at, slip, rate, traction, [pressure])
             self._sum(at, slip, path, work)
 
-    def add(self, blocks: EqualSteps, last: bool) -> None:
+    def _add(self, last: bool) -> None:
         """Add the levels of a block, at the end of which the march may have been stopped."""
-        times, pressures = blocks.times, blocks.pressures
-        rates, tractions, slips, paths, works = blocks.levels
+        times, pressures = self.blocks.times, self.blocks.pressures
+        rates, tractions, slips, paths, works = self.blocks.levels
         taken = len(times) - 1
         self.taken += taken
         # a span ends where the record begins
         if times[-1] <= self._marched.recorded_from:
-            self.begin(blocks, pressures[-1])
+            self._begin(pressures[-1])
             return
-        self._seen = self._seen.with_levels(times, self._marched.grid.observe(rates))
+        self._seen = self._seen.with_levels(times, self.grid.observe(rates))
         self._sum(times[1:], slips[1:], paths[1:], works[1:])
         reached = self._marched.statistics.steps + self.taken
         kept = np.arange(reached - taken + 1, reached + 1) % self.every == 0
-        kept[-1] |= last or self.taken == self.steps
+        kept[-1] |= last or self.taken == self.count
         rows = np.flatnonzero(kept)
         if len(rows):
             # all rows without the copy of an index, which would take as long as the storing
@@ -90,7 +130,7 @@ class SlotRecord:
         pressures: Sequence[Array],
     ) -> None:
         """Store levels at the observed nodes."""
-        grid = self._marched.grid
+        grid = self.grid
         slips, tractions = (field[:, : grid.observed] for field in (slips, tractions))
         rows = times, slips, grid.observe(rates), tractions
         if self._steady:
@@ -102,25 +142,25 @@ class SlotRecord:
     def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
-        n, h = self._marched.grid.observed, self._marched.grid.spacing
+        n, h = self.grid.observed, self.grid.spacing
         largest = np.abs(slips[:, :n]).max(axis=1)
         self._summed.add(times, largest, *(one[:, :n].sum(axis=1) * h for one in (paths, works)))
 
-    def reached(self, blocks: EqualSteps, **changed: Any) -> Marched:
-        """Return the march until the state reached, and with fields that have `changed`."""
+    def reached(self) -> Marched:
+        """Return the march until the state reached."""
         times, *stored = self._stored.arrays()
         if self._steady:
             stored.append(np.broadcast_to(self._held, stored[0].shape))
         closed, before = np.broadcast_to(0.0, stored[0].shape), self._marched.statistics
         return replace(
             self._marched,
-            interface=InterfaceHistory(self._marched.grid.x, times, *[*stored, closed]),
+            interface=InterfaceHistory(self.grid.x, times, *[*stored, closed]),
             totals=Totals(*self._summed.arrays()),
             every=self.every,
             statistics=replace(before, steps=before.steps + self.taken),
-            reached=blocks.reached,
+            reached=self.blocks.reached,
+            past=self._line.memory.past(),
             seen=self._seen,
-            **changed,
         )
 
 

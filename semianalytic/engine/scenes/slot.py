@@ -16,7 +16,6 @@ from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, Level
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import TensionError
-from semianalytic.scene.scene import Scene
 
 SINGLE_SIZE = 4096
 """Nodes up to which all of the memory has single precision: slip rates change by 5e-6 of
@@ -44,7 +43,7 @@ class SlotLine(ClosedLine):
         scene, nodes = marched.scene, marched.grid
         self.scene, self.damping, self.kept = scene, marched.damping, nodes.contact
         self._latest = marched.latest
-        self.grid, self.law, self.jumps = nodes.line, scene.law, load_jumps(scene)
+        self.grid, self.law, self.jumps = nodes.line, scene.law, scene.jumps
         self.impedance = scene.material.shear_impedance / 2
         self.speed = scene.material.shear_speed
         touching = np.arange(nodes.size) >= nodes.slot
@@ -57,7 +56,7 @@ class SlotLine(ClosedLine):
         self.memory = LineMemory(marched.memory, self.grid.wavenumbers, double=double)
         self.memory.put_back(marched.past)
         # what the history adds to the shear of the uncut line, and of slot faces: Q_b - Q_0 f
-        load, self._base = scene.superposition.taken_off.shear, scene.base.shear
+        load, self._base = scene.superposition.taken_off.shear, scene.before_load.shear
         self._shares = (load, 0.0) if scene.arrives else (0.0, -load)
         self._front = front_of(scene, nodes, marched.entry) if scene.front_slowness else None
         self._pressure: GridPressure | FrontPressure
@@ -95,7 +94,7 @@ class SlotLine(ClosedLine):
         """Return the history of the shear load at the ends of steps, (k,); before it at a jump.
 
         Where several breaks of the history lie within the step around an end, it is the exact mean
-        over that step (docs/spacetime.md, "What the grid resolves").
+        over that step (docs/spacetime.md, "Resolution of the grid").
         """
         history = self.scene.shear_history
         values, breaks, half = history.value(ends), np.array(history.pieces.breaks), steps / 2
@@ -122,24 +121,13 @@ class SlotLine(ClosedLine):
         self.scene.check_weakening(float(pressure.max()))
 
 
-def load_jumps(scene: Scene) -> list[float]:
-    """Return the times at which a load jumps, in increasing order [time].
-
-    Jumps of a load whose front moves come to each node in turn.
-    """
-    if scene.front_slowness:
-        return []
-    histories = scene.acting_histories.values()
-    return sorted({at for history in histories for at, _ in history.pieces.jumps})
-
-
 def spans_until(marched: Marched) -> list[Span]:
     """Return the spans between jumps of the loads until the latest time, in pairs of equal steps.
 
     The end of each pair is a level of the companion as well.
     """
     # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
-    at = {0.0, *load_jumps(marched.scene), marched.latest}
+    at = {0.0, *marched.scene.jumps, marched.latest}
     stops = sorted(one for one in at if marched.begins < one <= marched.latest)
     longest = marched.step_ratio * marched.grid.spacing / marched.scene.material.shear_speed
     return [

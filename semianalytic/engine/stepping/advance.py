@@ -105,7 +105,7 @@ def _levels(line: ClosedLine, time: float, span: Span) -> Iterator[Level]:
     now = span.level(time)
     last = now + span.steps(time)
     while now < last:
-        count = min(BLOCK_STEPS, last - now)
+        count = min(8 * BLOCK_STEPS, last - now)  # loads are evaluated at once
         ends = (span.begin + span.step * np.arange(now + 1, now + count + 1)).tolist()
         steps, now = [span.step] * count, now + count
         if now == last:

@@ -53,13 +53,13 @@ def area_means(
     means = stopping
     # The few nodes are taken one by one, in a third of the time of arrays.
     for node in beside:
-        if not inner[node] or (before is not None and not excess[node] > before[node]):
+        if not inner[node] or (before is not None and not excess.item(node) > before.item(node)):
             continue
         left, right = node - 1, 0 if node == last else node + 1
         if mirror is not None and last >= mirror:
             left = mirror if node == 0 else left
             right = last - mirror if node == last else right
-        here, earlier, later = float(excess[node]), float(excess[left]), float(excess[right])
+        here, earlier, later = excess.item(node), excess.item(left), excess.item(right)
         if min(earlier, here, later) >= 0 or max(earlier, here, later) <= 0:
             continue
         # Where strength or load jumps, the two one-sided slopes differ: the smaller one counts.
@@ -67,7 +67,7 @@ def area_means(
         # A traction of no size is the least there is: with more, slip would push against its sense.
         # With means over 0, 1.5 and 2 nodes the slip rate of `antiplane` is off by 2.6, 0.9 and
         # 0.3e-4, that of a zone of a thirteenth of the contact by 4.0, 1.8 and 3.0 %.
-        reach = min(1.5 * slope, float(stopping[node]))
+        reach = min(1.5 * slope, stopping.item(node))
         if abs(here) < reach:
             if means is stopping:
                 means = stopping.copy()

@@ -133,7 +133,7 @@ class Edges:
             # Segments between the edges of one zone alternate with those between zones.
             inside = (index % 2 == 0) != opens
             # Rounding spoils narrower zones.
-            least = 1e-10 * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
+            least = 1e-10 * np.abs(p.parts[1:]).min(axis=0) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
 
@@ -164,7 +164,7 @@ class Edges:
             outward = points[edge - 1]
             gap = points[edge].minus(outward)[..., 0]
             # A nudge of a narrow gap exceeds the rounding of its distance from a front.
-            rounding = 1e-13 * np.abs(outward.parts[outward.nearest])[..., 0]
+            rounding = 1e-13 * np.abs(outward.parts[1:]).min(axis=0)[..., 0]
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 

@@ -53,6 +53,8 @@ def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
     part = march(preloaded(), end_time=0.5, nodes=100, latest=0.8, companion=False)
     part.save(tmp_path / "alone.h5")
     assert np.isnan(gone_on(sf.Marched.load(tmp_path / "alone.h5"), 0.8).error_estimate)
+    at_jump = march(preloaded(shear_history=sf.Pulse(0.5)), end_time=0.5, nodes=60, latest=0.8)
+    assert gone_on(at_jump, np.nextafter(0.5, 1.0)).end_time == at_jump.end_time == 0.5
     with pytest.raises(sf.SceneError, match=r"end_time must be above 0\.5"):
         gone_on(part, 0.5)
     with pytest.raises(sf.SceneError, match="start again with a later `latest`"):
