@@ -10,8 +10,8 @@ from fem.budget import predict_cost
 from fem.plan import TWO_BLOCKS, Plan
 from fem.results import Simulation
 from fem.run import Complaints, run_plan
-from fem.settings import LEAST_RESOLUTION, Pace, Settings
-from fem.snapshots import COMPANIONS, companion_folder
+from fem.settings import COMPANIONS, LEAST_RESOLUTION, Pace, Settings
+from fem.snapshots import companion_folder
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
 
@@ -94,7 +94,7 @@ def _coarser(
     settings = Settings(
         resolution=resolution,
         damping=simulation.damping,
-        step_ratio=simulation.step_ratio,
+        step_ratio=simulation.time_step / simulation.critical_step,
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
         mesh=simulation.mesh,
         every=max(1, kept * resolution // simulation.resolution),

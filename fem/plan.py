@@ -14,7 +14,7 @@ from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE
 from fem.elements.edge import edge_offset
 from fem.march import highest_of_patch
 from fem.resolution import check_resolved, mesh_caution
-from fem.settings import Settings
+from fem.settings import COMPANIONS, Settings
 from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
@@ -68,7 +68,8 @@ class Plan:
     full : bool
         Whether whole fields are observed, not only the interface.
     follows : bool
-        Whether the mesh has to follow the loads; that of a companion need not.
+        Whether the mesh has to follow the loads; that of a companion, whose steps are given by
+        those of its simulation, need not.
 
     Raises
     ------
@@ -205,9 +206,15 @@ class Plan:
         return TRIANGLE_STEP * step if self.settings.mesh == "triangles" else step
 
     def steps(self, critical: float | None = None) -> int:
-        """Number of steps to the end time, from another critical step if one is given [time]."""
-        step = self.settings.step_ratio * (critical or self.critical_step)
-        return math.ceil(self.end_time / step)
+        """Number of steps to the end time, from another critical step if one is given [time].
+
+        A run whose companions take a half and a quarter of its steps is, under self-similar loads,
+        each of them until a half and a quarter of its end time, in other units.
+        """
+        count = self.end_time / (self.settings.step_ratio * (critical or self.critical_step))
+        if not self.follows:  # a companion has the ratio that its simulation has
+            return round(count)
+        return 2**COMPANIONS * math.ceil(count / 2**COMPANIONS)
 
 
 @lru_cache(maxsize=64)

@@ -14,6 +14,8 @@ LARGEST_RATIO = 1.5
 """Time step over the critical one up to which the scheme is stable, and up to which it is run."""
 LARGEST_DAMPING = 100.0
 """Largest damping that is accepted, in units of h / c_t."""
+COMPANIONS = 2
+"""How many coarser runs a simulation carries, each at twice the element size of the one before."""
 DEFAULT_PACE = 100
 """Steps between checkpoints."""
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fem.budget import free_space
 from fem.loading import arrived_wave
 from fem.model import Model
+from fem.settings import COMPANIONS
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
 
@@ -31,8 +32,6 @@ double precision a frame is 1.7 times as large and takes 1.7 times as long to wr
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
-COMPANIONS = 2
-"""How many coarser runs a simulation carries, each at twice the element size of the one before."""
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 

@@ -81,7 +81,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     if unknown and all(one.kind is not one.VAR_KEYWORD for one in known):
         takes = ", ".join(one.name for one in known) or "none"
         what = f"{name} for a {type(problem).__name__}"
-        raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which knows {takes}.")
+        raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which takes {takes}.")
     answer = solver.solve(problem, **settings)
     if getattr(answer, "method", "") == _OWN[0]:  # which is saved as its question
         object.__setattr__(answer, "settings", settings)

@@ -48,7 +48,7 @@ ELSEWHERE = (
     "animate",
 )
 """Asked below with other arguments, or of other objects; pyplot draws in one thread alone."""
-IN_BODIES = ("velocity", "stress", "displacement")
+IN_BODIES = ("velocity", "stress", "strain", "displacement")
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
 FITTED = {"log_density": {"values": np.array([0.31])}}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}

@@ -13,6 +13,7 @@ from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
 from compare.comparison.quantities.field_rows import field_rows
 from compare.comparison.quantities.history_rows import cycle_rows, event_rows, map_rows, sense_rows
+from compare.comparison.quantities.likeness_rows import likeness_rows
 from compare.comparison.quantities.local_rows import local_rows
 from compare.comparison.quantities.own_rows import check_finite, own_rows
 from compare.comparison.quantities.profile_rows import (
@@ -166,6 +167,7 @@ def _rows(case: Case) -> Iterator[Row]:
     yield from map_rows(case)
     yield from local_rows(case)
     yield from own_rows(case)
+    yield from likeness_rows(case)
     if case.rests:
         return
     yield from sense_rows(case)

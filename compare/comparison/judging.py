@@ -180,6 +180,10 @@ def field_row(
     whole = size(predicted, 0)
     per = 1.0 if nothing else whole
     own, changes = [], []
+    finest = range(len(case.runs))[:2]
+    largest = [float(np.abs(at(number, number)).max(initial=0.0)) for number in finest]
+    if largest[0] > case.nothing(kind) >= largest[-1]:
+        most = 0  # a mesh on which nothing moves does not tell how fast
     for pair in pairwise(range(min(len(case.runs), most + 1))):
         of, to = pair[::-1] if smooth else pair
         change = np.abs(at(of, of) - at(to, of))
@@ -202,7 +206,7 @@ def field_row(
         relative=not nothing,
     )
     floor = case.nothing(kind) if nothing else least_error(case)
-    error = error_bar(changes, floor, most=case.largest_order) if changes else None
+    error = error_bar(changes, floor, most=case.largest_order(kind)) if changes else None
     if error and not error.converges and not nothing and showing < len(changes):
         if not showing:
             return replace(row, obstacle=FEW, resolution=case.finer)

@@ -15,8 +15,10 @@ LOWER = "lower "
 
 def stress_scale(scene: Scene) -> float:
     """Reference stress τ₀ [stress], positive: the larger step, or without one the larger base."""
-    for tractions in (scene.superposition.taken_off, scene.base):
-        largest = max(abs(tractions.pressure), abs(tractions.shear))
+    along = (scene.base,) if scene.on_line else (scene.superposition.taken_off, scene.base)
+    for tractions in along:
+        both = tractions.pressure, tractions.shear
+        largest = max((abs(one) for one in both if not callable(one)), default=0.0)
         if largest > 0:
             return largest
     return 1.0

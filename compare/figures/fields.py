@@ -134,6 +134,8 @@ def _rayleigh_fronts(fields: Fields, parts: list[Moving], time: float) -> list[f
 
     Between different bodies that slip there is no such wave.
     """
+    if fields.scene.on_line:
+        return []
     if fields.scene.lower_material is not None:
         return [-body.rayleigh_speed * time for body in fields.scene.bodies]
     speeds = scene_fronts(fields.scene)
@@ -208,8 +210,12 @@ def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
     far = 1e3 * fields.scene.fastest_speed * time
     bar: dict[str, Any] = {"linewidth": 2.5, "solid_capstyle": "butt"}
     slot = bar | {"color": BLACK, "path_effects": outline("white", 4.0)}
-    panel.plot([-far, 0], [0, 0], **slot)
-    handles = {"slot": Line2D([], [], label="slot", **slot)}
+    ends = np.clip(fields.scene.contact.intervals, -far, far)
+    handles = {}
+    for begin, end in zip([-far, *ends[:, 1]], [*ends[:, 0], far], strict=True):
+        if begin < end:
+            panel.plot([begin, end], [0, 0], **slot)
+            handles["slot"] = Line2D([], [], label="slot", **slot)
     parts = moving_parts(fields, time)
     for part in parts:
         moving = bar | {"color": SENSE_COLOURS[part.kind], "path_effects": outline(BLACK, 4.0)}
@@ -221,4 +227,6 @@ def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
         panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
         handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)
         handles["Rayleigh"].set_markeredgecolor(BLACK)
-    return [*handles.values(), line_handle("wave fronts", ink(0.65), "--")]
+    if not fields.scene.on_line:
+        handles["fronts"] = line_handle("wave fronts", ink(0.65), "--")
+    return [*handles.values()]

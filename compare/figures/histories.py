@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 
 from compare.comparison.case import Case
 from compare.comparison.quantities.history_rows import sense_maps
+from compare.comparison.quantities.local_rows import worst_places
 from compare.figures import style
 from compare.figures.interface import (
     POINTS,
@@ -24,6 +25,7 @@ from compare.figures.interface import (
 from semianalytic.results.answer import method_of
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
+_BESIDE: Mapping[str, Any] = {"textcoords": "offset points", "color": style.SIMULATION}
 
 
 def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
@@ -47,7 +49,8 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
 
 @style.styled
 def sense_figure(case: Case) -> Figure:
-    """Draw maps of slip sense and opening over (x, t): predicted, simulated, and differences."""
+    """Draw maps of slip sense and opening over (x, t): predicted, simulated, and differences, with
+    the places at which fields are farthest beyond their error bars."""
     predicted, seen, reached = sense_maps(case)
     history, material, end = case.seen, case.scene.material, case.end_time
     length = material.shear_speed * end
@@ -79,6 +82,11 @@ def sense_figure(case: Case) -> Figure:
         style.mark_waves(
             panel, case.fronts, material.shear_speed, "rays", colour=style.BLACK, outlined="white"
         )
+    for name, (level, node), (expected, found, bar) in worst_places(case):
+        if abs(found - expected) > bar:
+            place = history.x[node] / length, history.t[level] / end
+            panels[2].plot(*place, "o", color=style.SIMULATION, fillstyle="none")
+            panels[2].annotate(name.replace("_", " "), place, xytext=(5, 3), **_BESIDE)
     panels[0].set_ylabel(style.TIME_LABEL)
     handles = [Patch(color=colour, label=kind) for kind, colour in shown]
     panels[1].legend(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
-from compare.output.field_files import Fields, in_parts
+from compare.output.field_files import Fields, in_parts, resolved
 from semianalytic import Scene, SceneError, fringes
 from semianalytic.field.derived import principal_difference
 from semianalytic.scene.checks import shown
@@ -45,6 +45,7 @@ class Quantity:
 
     def at(self, fields: Fields, x: Array, y: Array, t: float) -> Array:
         """Return the scalar at points (n,) [length] and a time [time]."""
+        y = resolved(fields, y) if self.field == "stress" else y
         return self.of(in_parts(getattr(fields, self.field), x, y, t))
 
     def labelled(self, scene: Scene) -> str:

@@ -8,6 +8,7 @@ import secrets
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,12 @@ def in_parts(field: Callable[[Array, Array, float], Array], x: Array, y: Array, 
     count = -(-len(x) // AT_ONCE)
     parts = zip(np.array_split(x, count), np.array_split(y, count), strict=True)
     return np.concatenate([field(*part, t) for part in parts], axis=-1)
+
+
+def resolved(fields: Any, y: Array) -> Array:
+    """Return heights (n,) at which stress is known, moved away from the interface if they must."""
+    depth: float = getattr(fields, "nearest_depth", 0.0)
+    return np.asarray(np.copysign(np.maximum(np.abs(y), depth), y))
 
 
 def record_fields(fields: Fields, x: float, y: float, t: Array) -> FieldRecord:
@@ -153,7 +160,7 @@ def write_frames(
         for name, vector in vectors.items():
             rows = in_parts(getattr(fields, name), x, y, time)
             vector[:, : len(rows)] = rows.T
-        stress = in_parts(fields.stress, middle_x, middle_y, time)
+        stress = in_parts(fields.stress, middle_x, resolved(fields, middle_y), time)
         tensor = {f"sigma_{axes}": [row] for axes, row in zip(_AXES, stress, strict=False)}
         name = f"fields-{number:04d}.vtu"
         mesh = meshio.Mesh(points, [("quad", cells)], point_data=vectors, cell_data=tensor)

@@ -2,13 +2,14 @@
 
 A script of docs/studies lists its studies and calls `main`::
 
-    STUDIES = [Study("march-error", points, row, figures={"march-error": error_figure})]
+    STUDIES = [Study("march-accuracy", points, row, figures={"march-accuracy": error_figure})]
 
     if __name__ == "__main__":
         raise SystemExit(main("docs.studies.march", STUDIES))
 
-``python -m docs.studies.march march-error --output docs`` then writes docs/data/march-error.csv and
-docs/figures/march-error.png.  Finished rows are kept in results/studies until ``--fresh``.
+``python -m docs.studies.march march-accuracy --output docs`` then writes the table
+docs/data/march-accuracy.csv and docs/figures/march-accuracy.png.  Finished rows are kept in
+results/studies until ``--fresh``.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ class Study:
     """One table and the figures drawn from its rows.
 
     name : str
-        Name of the data file, such as "march-error" for docs/data/march-error.csv.
+        Name of the data file, such as "march-accuracy" for docs/data/march-accuracy.csv.
     points : callable
         Returns the points; its argument is whether a quick overview is asked for.
     row : callable

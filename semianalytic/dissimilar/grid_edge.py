@@ -108,20 +108,23 @@ def edge_factors(beta: float) -> tuple[float, Complex, Complex]:
 
 
 def zone_beside_edge(
-    change: Array, strength: Array, spacing: float, compliance: float
+    change: Array, strength: Array, where: NDArray[np.bool_], spacing: float, compliance: float
 ) -> tuple[Array, Array]:
-    """Return length and area of the slip near an edge whose first node sticks.
+    """Return length and area of slip, or of an opening, near an edge whose first node is closed.
 
     Beyond any strength, the traction at an edge makes the contact slip over a length l.  The
     traction of the first node gives K; under a constant strength s, l = (pi / 8) (K / s)^2, the
-    slip at the edge is 8 s l / (pi E') and its mean over l a third of it (Dugdale).
+    slip at the edge is 8 s l / (pi E') and its mean over l a third of it (Dugdale).  A tension
+    opens the contact in the same way against the pressure on it.
 
     Parameters
     ----------
     change : array
-        |Change of shear traction| at the first node [stress].
+        |Change of traction| at the first node [stress].
     strength : array, like `change`
-        Strength there, less the traction before the change in its sense [stress], positive.
+        Strength there, less the traction before the change in its sense [stress].
+    where : array of bool
+        Where there is a zone; the strength is positive there.
     spacing : float
         Node distance [length].
     compliance : float
@@ -135,7 +138,9 @@ def zone_beside_edge(
     offset, of_contact, _ = edge_factors(0.0)
     # tau = K / sqrt(2 pi d) at the distance d of the first node, which has a known factor.
     root = change * np.sqrt(2 * np.pi * offset * spacing) / of_contact[0].real
-    length = np.pi / 8 * (root / strength) ** 2
+    length = np.pi / 8 * (root / np.where(where, strength, 1.0)) ** 2
+    # A contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes.
+    length = np.where(where & (length > 1e-5 * spacing), length, 0.0)
     return length, 4 * compliance * strength * length**2 / (3 * np.pi)
 
 

@@ -32,7 +32,7 @@ def check_bodies(scene: Scene) -> None:
     """
     for wrong in _wrong(scene):
         raise SceneError(
-            f"{wrong}: between different bodies the exact solver knows plane strain, a step of "
+            f"{wrong}: between different bodies the exact solver takes plane strain, a step of "
             "tractions on the slot faces, and Coulomb or viscous friction; simulate the scene, "
             "slipfront simulate, or march an interface (docs/dissimilar.md)."
         )

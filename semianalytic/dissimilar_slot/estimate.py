@@ -11,6 +11,9 @@ from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
 from semianalytic.halfplane.rayleigh import Array
 
+_COMPARED = np.linspace(-6.0, 6.0, 25)
+"""Coordinates x of a panel at which rates are compared: between them they differ no more."""
+
 
 def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     """Return the error estimate of placed zones on the rule of a tolerance.
@@ -23,8 +26,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     error = 3e-13 + fine.glued.error(np.array([0.0, fine.interface.compliance.last]))  # rounding
     if not fine.zones:
         return error
-    # Values up to 3 at points between those compared, or 6 under a film of resistance 1.5.
-    error += 4.0 * tolerance * max(1.0, 3.0 * fine.interface.resistance)
+    error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
     one, other = edge_tractions(fine), edge_tractions(coarse)
     move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, one))
@@ -41,7 +43,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
 
 
 def _rates(density: Density) -> Array:
-    """Return V and U, (n, 2), in the middle (x = 0) and at the end of every panel."""
+    """Return V and U, (n, 2), at points of every panel and at its end."""
     from scipy.special import sici  # here, for a quick import
 
     rate, result = np.zeros(2), []
@@ -53,9 +55,10 @@ def _rates(density: Density) -> Array:
         if panel.zone != zone and density.zones[panel.zone].left != stop:
             rate = np.zeros(2)
         zone = panel.zone
-        # The integral of sinc up to x = 0 is 1/2 + Si(pi n) / pi for the node n steps before it.
-        steps = -(panel.first + np.arange(panel.count))
-        result.append(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)
+        # The integral of sinc up to x is 1/2 + Si(pi n) / pi for the node n steps before it.
+        nodes = panel.first + np.arange(panel.count)
+        steps = _COMPARED[:, None] / panel.spacing - nodes
+        result += [*(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)]
         rate = rate + density.panel_change(part, slope, amplitude)
         result.append(rate)
     return np.array(result)

@@ -118,7 +118,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         raise SceneError(
             "scene: where these bodies stick, a wave runs along their interface at "
             f"{bonded * scene.material.shear_speed:.6g} (a Stoneley wave), at which tractions are "
-            "infinite; this solver does not know it: change a modulus or density "
+            "infinite; this solver does not treat it: change a modulus or density "
             "(docs/dissimilar.md)."
         )
     clock = [perf_counter()]
@@ -181,7 +181,7 @@ def _search(interface: LoadedBodies, rtol: float) -> _Trial:
             if interface.resistance and any(zone.open for zone in zones):
                 raise SceneError(
                     "scene: the contact opens under a viscous film, which this solver does not "
-                    "know between different bodies; leave the viscosity out, or make the base "
+                    "treat between different bodies; leave the viscosity out, or make the base "
                     "pressure larger (docs/dissimilar.md)."
                 )
             placement = place(interface, canonical, zones, rule, _LOCATED)

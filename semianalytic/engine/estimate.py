@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.grid_edge import zone_beside_edge
-from semianalytic.engine.convergence import Tried, order_seen, safety
+from semianalytic.engine.beside_edges import EdgeNodes
+from semianalytic.engine.convergence import NARROW, Tried, order_seen, safety
 from semianalytic.engine.result import Run
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, LEAST_GAP, ZONE_NODES
+from semianalytic.engine.stepping.tuning import LEAST_GAP, LEAST_ZONE, ZONE_NODES
 from semianalytic.engine.stepping.window import doubt_of
 from semianalytic.scene.laws.sampling import sampled
-from semianalytic.scene.line.fields import at_nodes
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -42,18 +42,21 @@ def estimated(
     coarser : Tried, optional
         A run of fewer nodes, from which the order of convergence is seen.
     """
-    scene = done.scene
+    scene, known, spacing = done.scene, done.interface, done.scene.period / done.nodes
     coarse = half(scene)
-    shorter, misplaced = coarse, done.contact_misfit / 2
+    shorter, ends = coarse, done.contact_misfit
+    barriers = scene.law.barrier_misfit(known.x[known.touching], spacing)
+    misplaced = max(ends, barriers) / 2
     if misplaced and not coarse.is_interrupted:
-        contact = scene.contact.shortened(scene.period, done.nodes, done.shift)
-        cut = replace(scene, contact=contact)
+        cut = replace(scene, contact=scene.contact.shortened(scene.period, done.nodes, done.shift))
+        if barriers:
+            cut = replace(cut, friction=scene.law.with_wider_barriers(2 * spacing))
         shorter = half(cut)
     if coarse.is_interrupted or shorter.is_interrupted:
         status = "interrupted in the estimate of its error: complete, without one"
         return replace(done, status=status), None
     between = not scene.contact.is_whole
-    touching, known = coarse.interface.touching, done.interface
+    touching = coarse.interface.touching
     if between:
         # a coarse node at the end of a contact may stand for a node of the slot as well
         touching = touching & shorter.interface.touching
@@ -63,9 +66,10 @@ def estimated(
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
-    spacing = scene.period / done.nodes
-    base = thinned(sampled("run: shear", scene.base.shear, done.interface.x, spacing)[None])
-    beside = wrong_beside_slots(done)
+    base = thinned(sampled("run: shear", scene.base.shear, known.x, spacing)[None])
+    beside = EdgeNodes(done)
+    rates = np.concatenate([thinned(known.slip_rate), coarse.interface.slip_rate[:, touching]])
+    zones = _zones(np.abs(thinned(known.slip)).sum(axis=0), rates.any(axis=0))
     shares, sizes = dict[str, float](), dict[str, float]()
     names = ["slip", "slip_rate", "shear_traction"]
     if done.scene.may_open:
@@ -77,29 +81,37 @@ def estimated(
         )
         moved = getattr(shorter.interface, name)[:, touching] - other
         # Against the base, whichever frames are stored: a sudden load has come at the first.
-        scale = fine - base if name == "shear_traction" else fine
-        apart = float((np.abs(fine - other) + misplaced * np.abs(moved)).sum())
+        scale = np.abs(fine - base if name == "shear_traction" else fine).sum(axis=0)
+        apart = (np.abs(fine - other) + misplaced * np.abs(moved)).sum(axis=0)
         # where the finer grid has nothing and the coarser one something, the error is all of it
-        sizes[name] = max(float(np.abs(scale).sum()), apart)
-        shares[name] = apart / sizes[name] if sizes[name] else 0.0
+        sizes[name] = max(float(scale.sum()), float(apart.sum()))
+        shares[name] = float(apart.sum()) / sizes[name] if sizes[name] else 0.0
+        if name in ("slip", "slip_rate"):
+            # One of two edges may be far off though most slip is beside the other one.
+            sums = ((float(apart[one].sum()), float(scale[one].sum())) for one in zones)
+            shares[name] = max(
+                shares[name], 0.0, *(off / max(size, off) for off, size in sums if off)
+            )
     tried = Tried(done.nodes, shares[deciding(done, shares)])
-    factor = safety(None if coarser is None else order_seen(coarser, tried))
-    errors = {}
-    for name, share in shares.items():
-        # `thinned` has every other node, or the mean of two.
-        off = beside.get(name, 0.0) / 2
-        errors[name] = factor * share + (off / sizes[name] if off else 0.0)
-    largest = 0.5 if rtol is None else rtol
-    slip, (zone, missed) = float(np.abs(thinned(done.interface.slip)).sum()), missed_slip(done)
+    order = None if coarser is None else order_seen(coarser, tried)
+    # ends that lie elsewhere are known less well than zones on few nodes
+    narrow = misplaced > 0.025 or any(len(one) < NARROW for one in zones)
     # `thinned` has every other node, or the mean of two.
-    missed = missed / (2 * spacing)
-    # A contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes.
-    if zone < 1e-5 * spacing:
-        missed = 0.0
-    if missed > 0:
-        share = missed / (slip + missed)
-        for name in ("slip", "slip_rate"):
-            errors[name] += share * (1 - errors[name])
+    errors = {
+        name: safety(order, narrow if "slip" in name else None) * share
+        + (beside.wrong.get(name, 0.0) / 2 / sizes[name] if sizes[name] else 0)
+        for name, share in shares.items()
+    }
+    (zone, slid), (parted, relieved) = beside.missed_slip, beside.missed_opening
+    # `thinned` has every other node
+    missed, parted = slid / (2 * spacing), parted / (2 * spacing)
+    slip = float(np.abs(thinned(known.slip)).sum())
+    unseen = [("gap", parted / (sizes["gap"] + parted))] if parted else []
+    for share in (missed / (slip + missed) if missed else 0.0, relieved):
+        unseen += [("slip", share), ("slip_rate", share)]
+    for name, share in unseen:
+        errors[name] += share * (1 - min(errors[name], 1.0))
+    largest = 0.5 if rtol is None else rtol
     status, name = done.status, deciding(done, errors)
     if status == "done" and missed > largest * (slip + missed):
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
@@ -112,6 +124,14 @@ def estimated(
         what = "slip" if name == "slip" else "the gap"
         status = f"unresolved: {what} may be off by {errors[name]:.1g} of itself; raise `nodes`."
     return replace(done, error_estimates=errors, status=status, companion=coarse), tried
+
+
+def _zones(slip: Array, moves: Any) -> list[NDArray[np.intp]]:
+    """Return the nodes of each row of nodes that move, but of those with little slip (k,)."""
+    nodes = np.flatnonzero(moves)
+    rows = np.split(nodes, np.flatnonzero(np.diff(nodes) > 1) + 1)
+    sums = [float(slip[one].sum()) for one in rows]
+    return [one for one, own in zip(rows, sums, strict=True) if own > LEAST_ZONE * max(sums)]
 
 
 def deciding(done: Run, errors: Mapping[str, float]) -> str:
@@ -175,73 +195,3 @@ def too_short(scene: Scene, time: float) -> str:
         f"x = 0 at t = {end / speed:.3g}; use a `period` of {4 * speed * time:.3g} or more, or end "
         "before that."
     )
-
-
-def _beside_slots(done: Run) -> NDArray[np.bool_]:
-    """Return which nodes of the contact have a node of a slot beside them, (n,)."""
-    left, right = np.roll(done.interface.touching, 1), np.roll(done.interface.touching, -1)
-    if done.scene.even:
-        left[0] = right[-1] = True  # mirror images of themselves
-    return np.asarray(done.interface.touching & ~(left & right))
-
-
-def wrong_beside_slots(done: Run) -> dict[str, float]:
-    """Return errors of traction and pressure beside slots, summed over edges and frames [stress].
-
-    Where they are singular, nodes are off there by the same part on any grid, of which the
-    difference of two grids shows little (`BESIDE_EDGE_ERROR`).
-    """
-    scene, first = done.scene, _beside_slots(done)
-    x, spacing = done.interface.x, scene.period / done.nodes
-    base, pressed = (
-        at_nodes(name, getattr(scene.base, name), x, done.interface.touching, spacing)[first]
-        for name in ("shear", "pressure")
-    )
-    shear, pressure = done.interface.shear_traction[:, first], done.interface.pressure[:, first]
-    off = BESIDE_EDGE_ERROR * np.abs(pressure - pressed)
-    # Where it slips, traction follows pressure.
-    ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
-    slips = done.interface.slip_rate[:, first] != 0
-    stuck = BESIDE_EDGE_ERROR * np.abs(shear - base)
-    return {
-        "pressure": float(off.sum()),
-        "shear_traction": float(np.where(slips, ratio * off, stuck).sum()),
-    }
-
-
-def missed_slip(done: Run) -> tuple[float, float]:
-    """Return the longest slip beside stuck edges of a contact, and the area of all, over frames.
-
-    The first node beside an edge may stick on any grid that is too coarse, and slip that is zero on
-    two grids does not differ.
-    """
-    scene, touching = done.scene, done.interface.touching
-    if not scene.law.has_threshold or touching.all():
-        return 0.0, 0.0
-    first = np.flatnonzero(_beside_slots(done))
-    spacing, x = scene.period / done.nodes, done.interface.x
-    base = sampled("run: shear", scene.base.shear, x, spacing)[first]
-    law = scene.law.on(x[touching], spacing)
-    bodies = (scene.material, scene.lower_material or scene.material)
-    plane = [1.0 if scene.mode == "antiplane" else 1 - body.poisson_ratio for body in bodies]
-    moduli = [body.shear_modulus for body in bodies]
-    compliance = sum(share / modulus for share, modulus in zip(plane, moduli, strict=True)) / 2
-    place = np.searchsorted(np.flatnonzero(touching), first)
-    still = np.zeros(int(touching.sum()))
-    zones = areas = 0.0
-    for frame in range(len(done.interface.t)):
-        felt, state = (
-            done.interface.felt_pressure[frame, touching],
-            done.interface.state[frame, touching],
-        )
-        strength = law.strength(felt, still, state)[place]
-        change = done.interface.shear_traction[frame, first] - base
-        room = strength - np.sign(change) * base
-        sticks = (
-            (done.interface.slip[frame, first] == 0)
-            & (room > 0)
-            & (done.interface.gap[frame, first] <= 0)
-        )
-        zone, area = zone_beside_edge(np.abs(change[sticks]), room[sticks], spacing, compliance)
-        zones, areas = max(zones, float(zone.max(initial=0.0))), areas + float(area.sum())
-    return zones, areas

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.gridded import Gridded
+from semianalytic.engine.bodies.marched_bodies import MarchedAnswer
 from semianalytic.results.places import line_points, line_positions
 from semianalytic.results.questions import (
     ONSET_SHARE,
@@ -39,7 +39,7 @@ LEAST_SLIP = 1e-3
 
 
 @asked_in_units
-class LineAnswer(Questions, Gridded):
+class LineAnswer(Questions, MarchedAnswer):
     """Questions to a `Run` about any place of the contact and any time until its end."""
 
     method = "space-time"
@@ -111,6 +111,13 @@ class LineAnswer(Questions, Gridded):
         begins, ends = np.clip(np.transpose(self.scene.contact.intervals), -half, half)
         part = np.searchsorted(begins, x, side="right") - 1
         return np.minimum(x, begins[part] + step / 8), np.maximum(x, ends[part] - step / 8)
+
+    @cached_property
+    def _hidden(self: Any) -> float:
+        """Part of what drives slip that openings which no node shows take off."""
+        from semianalytic.engine.beside_edges import EdgeNodes  # which reads answers
+
+        return EdgeNodes(self).missed_opening[1]
 
     @property
     def _moved(self: Any) -> Array:

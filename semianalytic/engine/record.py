@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.result import FIELDS, Run
 from semianalytic.engine.stepping.acting import times_of_loads
 from semianalytic.engine.stepping.state import RunCheckpoint, State
@@ -52,7 +53,8 @@ class RunRecord:
         self.fields: dict[str, list[Array]] = {name: [] for name in FIELDS}
         self.step_times: list[float] = []
         self.peak_rates: list[float] = []
-        self._touching = stepper.touching
+        self._touching, self._may_open = stepper.touching, stepper.unilateral is not None
+        self.motion = MotionRecord()
         self.slipping, self.onset = slipping, np.full(len(stepper.grid.x), np.nan)
 
     def begin(self, now: State) -> None:
@@ -77,6 +79,8 @@ class RunRecord:
             Returns the state at one of these levels, given by its place.
         """
         self._count(times, rates)
+        opening = [look(level).gap_rate for level in range(len(times)) if self._may_open]
+        self.motion.add(times, rates, *([np.array(opening)] if opening else []))
         for level, time in enumerate(times[1:], 1):
             self.count += 1
             if self.times is None:
@@ -248,4 +252,5 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
     steps = int((earlier.step_times <= since).sum())
     record.step_times = earlier.step_times[:steps].tolist()
     record.peak_rates = earlier.peak_rates[:steps].tolist()
+    record.motion.go_on(earlier.motion, since, record.count)
     return kept.state

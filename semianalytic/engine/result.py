@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import MOST_NODES, EdgeReading, read_beside_edge
 from semianalytic.dissimilar.kernels import pair_of
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
+from semianalytic.engine.bodies.motion import Motion
 from semianalytic.engine.on_line import LineAnswer
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.state import RunCheckpoint
@@ -95,6 +98,8 @@ class Run(LineAnswer):
         error: ...", whose fields are complete.
     checkpoint : RunCheckpoint
         Everything that `run` needs to continue this run.
+    motion : Motion
+        Rates of slip and opening of the whole line in every step, which drive the bodies.
     companion : Run or None
         The same run on half the nodes, at the same frames, from which errors are estimated.
 
@@ -119,6 +124,7 @@ class Run(LineAnswer):
     peak_rates: Array
     status: str
     checkpoint: RunCheckpoint = field(repr=False)
+    motion: Motion = field(repr=False)
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     companion: Run | None = field(default=None, repr=False)
 
@@ -192,6 +198,16 @@ class Run(LineAnswer):
         state = self.checkpoint.end
         kept = {"friction": state.work, "closing": state.closing}
         return {name: float(weights @ value) for name, value in kept.items()}
+
+    @cached_property
+    def _bodies(self) -> MarchedBodies:
+        grid = grid_of(self.scene, self.nodes, self.shift)
+        return bodies_on(self.scene, self.motion, grid)
+
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known: that of nodes [length]."""
+        return self.scene.period / self.nodes
 
     @property
     def _weights(self) -> Array:

@@ -201,7 +201,7 @@ def _checked_settings(settings: dict[str, Any]) -> dict[str, Any]:
         if name not in known:
             others = [*list(inspect.signature(run).parameters)[1:-1], *known]
             raise SceneError(
-                f"solve: {name} is no setting of space-time for a scene on a line, which knows "
+                f"solve: {name} is no setting of space-time for a scene on a line, which takes "
                 f"{', '.join(others)}."
             )
         if name == "sweeps":
@@ -297,5 +297,6 @@ def _one(
         step_times=np.array(record.step_times),
         peak_rates=np.array(record.peak_rates),
         status=status,
+        motion=record.motion.motion(),
         checkpoint=checkpoint(stepper, record, kept, now, latest),
     )

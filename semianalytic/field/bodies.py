@@ -21,6 +21,7 @@ from semianalytic.field.body import (
     reflected_fields,
 )
 from semianalytic.field.cells import Primitives
+from semianalytic.field.plane_wave import plane_wave
 from semianalytic.field.sources import LikeBody
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
@@ -63,24 +64,15 @@ class Bodies:
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Solution.velocity`."""
         unit = self.stress_unit / self.scene.material.shear_impedance
-        rows, load = unit * self._rows("velocity", x, y, t), self.scene.load
-        if isinstance(load, IncidentWave):
-            rows += self._along(load, self._lag(load, x, y, t) >= 0, len(rows))
-        return rows
+        return self._with_wave(unit * self._rows("velocity", x, y, t), "velocity", x, y, t)
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the stress; see `Solution.stress`."""
         rows = self.stress_unit * self._rows("stress", x, y, t)
-        load = self.scene.load
-        if isinstance(load, IncidentWave):
-            # The wave itself is a plane wave in both bodies; the interface does not scatter it
-            # while it holds.
-            base, arrived = self.scene.base, self._lag(load, x, y, t) >= 0
-            names = ("xx", "yy", "xy", "xz", "yz")[: len(rows)]
-            sigma = load.stresses(self.scene.material)
-            rows += np.stack([sigma[name] * arrived for name in names])
-            rows[1] -= base.pressure
-            rows[-1] += base.shear
+        if isinstance(self.scene.load, IncidentWave):
+            rows = self._with_wave(rows, "stress", x, y, t)
+            rows[1] -= self.scene.base.pressure
+            rows[-1] += self.scene.base.shear
             return rows
         # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
         # known.
@@ -91,21 +83,16 @@ class Bodies:
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the displacement; see `Solution.displacement`."""
         unit = self.stress_unit / self.scene.material.shear_modulus
-        rows, load = unit * self._rows("displacement", x, y, t), self.scene.load
+        return self._with_wave(unit * self._rows("displacement", x, y, t), "displacement", x, y, t)
+
+    def _with_wave(
+        self, rows: Array, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike
+    ) -> Array:
+        """Return rows (n, ...) of a quantity with those of an incident wave added."""
+        load = self.scene.load
         if isinstance(load, IncidentWave):
-            rows += self._along(load, np.maximum(self._lag(load, x, y, t), 0.0), len(rows))
+            rows = rows + plane_wave(load, self.scene.material, quantity, (x, y, t))[: len(rows)]
         return rows
-
-    def _along(self, load: IncidentWave, amount: ArrayLike, count: int) -> Array:
-        """Return so much of a wave's particle velocity along its motion, (count, ...)."""
-        moved = load.particle_velocity(self.scene.material) * np.asarray(amount)
-        return np.stack([part * moved for part in load.polarisation()[:count]])
-
-    def _lag(self, load: IncidentWave, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the time since the front of an incident wave has passed [time]."""
-        n_x, n_y = (one / load.speed(self.scene.material) for one in load.direction())
-        x, y, t = (np.asarray(one, dtype=float) for one in (x, y, t))
-        return np.asarray(t - n_x * x - n_y * y)
 
     @cached_property
     def error(self) -> float:

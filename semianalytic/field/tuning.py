@@ -36,8 +36,3 @@ CLOSE = (1e-18, 1e-16)
 """Distances from a singular point; a field that grows from one to the other is infinite."""
 COARSER = 10.0
 """Tolerance of a companion over the rule's own: its error is then at least twice as large."""
-
-# Fields of a step on a stuck interface (stuck_steps)
-
-STEP_TOLERANCE = 1e-8
-"""Tolerance of the rule of stuck steps for marches, which are off by 1e-4 and more."""

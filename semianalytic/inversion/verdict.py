@@ -91,7 +91,7 @@ def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
         share = float(np.sqrt(best.chi2 / freedom))
         return (
             f"misfits are {share:.2g} times what the noise allows (chi2 {best.chi2:.4g} of "
-            f"{freedom}): what is held is not that of the records, or the noise is larger than said"
+            f"{freedom}): a fixed parameter is wrong, or the noise is larger than stated"
         )
     pulls = trials.pulls(best.scaled)
     if not pulls:

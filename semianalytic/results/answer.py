@@ -162,6 +162,11 @@ class BodyFields(Protocol):
     their faces.  `Solution` describes what each method returns.
     """
 
+    @property
+    def has_bodies(self) -> bool:
+        """Whether the answer knows the fields in the bodies."""
+        ...
+
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Particle velocity (2, ...), in antiplane shear (3, ...) [length / time]."""
         ...

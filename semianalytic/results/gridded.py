@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.field.derived import strain
 from semianalytic.results.answer import (
     Answer,
     Array,
@@ -44,7 +45,7 @@ class Gridded:
 
     def _unknown(self, what: str, instead: str) -> NoReturn:
         """Raise SceneError for a question that this answer cannot say anything about."""
-        raise SceneError(f"{what}: a {type(self).__name__} does not know it; {instead}.")
+        raise SceneError(f"{what}: a {type(self).__name__} does not contain it; {instead}.")
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the particle velocity; answers that know the bodies say it."""
@@ -53,6 +54,10 @@ class Gridded:
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the stress in the bodies; answers that know the bodies say it."""
         self._unknown("stress", "ask for tractions of the interface")
+
+    def strain(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Refuse to say the strain in the bodies; answers that know the bodies say it."""
+        self._unknown("strain", "ask for tractions of the interface")
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Refuse to say the displacement in the bodies; answers that know the bodies say it."""
@@ -178,6 +183,11 @@ class AnswerInBodies(Gridded):
         """Whether the answer knows the fields in the bodies, as it does."""
         return True
 
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known [length]."""
+        return 0.0
+
     if TYPE_CHECKING:  # what the classes have that inherit from this one
 
         @property
@@ -246,6 +256,21 @@ class AnswerInBodies(Gridded):
             u_x, u_y; in antiplane shear (3, ...), with u_z.
         """
         return np.asarray(self._bodies.displacement(x, y, t))
+
+    def strain(self: Any, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the change of strain since t = 0 anywhere in the bodies; parameters as `velocity`.
+
+        It follows from the change of stress by Hooke's law in plane strain.
+
+        Returns
+        -------
+        (3, ...) array
+            eps_xx, eps_yy, eps_xy, elongation positive; in antiplane shear (5, ...), with eps_xz
+            and eps_yz.  Shear strains are those of the tensor, half the engineering ones.
+        """
+        change = self.stress(x, y, t) - self.stress(x, y, 0.0 * np.asarray(t, dtype=float))
+        upper, lower = (strain(change, body) for body in self.scene.bodies)
+        return np.where(np.signbit(np.asarray(y, dtype=float)), lower, upper)
 
     @cached_property
     def field_error(self) -> float:

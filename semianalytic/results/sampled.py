@@ -101,6 +101,7 @@ class SampledAnswer(Questions, Gridded):
         return sampled_reading(self, x, t)
 
     _on = slice(None)
+    _hidden: Any = 0.0
 
     def _known_around(self: Any, x: Array, step: float) -> tuple[Array, float]:
         """Return between which places x > 0 the answer and its companion know the contact.

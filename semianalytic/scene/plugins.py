@@ -198,7 +198,7 @@ def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str
         yield f"must be a class that inherits {base.__name__}, not {shown(described)}"
         return
     if ours := [one.__name__ for one in described.__mro__ if one in own]:
-        yield f"must inherit {base.__name__} itself, not {ours[0]}, whose solvers know it by heart"
+        yield f"must inherit {base.__name__} itself, not {ours[0]}, which solvers treat as it is"
     # Python would refuse such a class only when it is made, in the middle of reading a scene.
     asked: frozenset[str] = getattr(described, "__abstractmethods__", frozenset())
     if asked:

@@ -66,11 +66,12 @@ class Plane:
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
         # Loads do not depend on the Poisson ratio.
         _, first, own = np.unique(friction, return_index=True, return_inverse=True)
-        loads = [scaled_load(scenes[i]) for i in first]
-        self.unit = min(unit for _, unit in loads)
+        each = [scaled_load(scenes[i]) for i in first]
+        self.loads = [each[number] for number in own]
+        self.unit = min(unit for _, unit in each)
         # Zones slip ahead of all waves only where friction is reached there.
-        self.still = np.array([not load.far_slip_rate for load, _ in loads])[own]
-        self.critical = np.array([load.critical for load, _ in loads])[own]
+        self.still = np.array([not load.far_slip_rate for load, _ in each])[own]
+        self.critical = np.array([load.critical for load, _ in each])[own]
         self.solutions: dict[int, Solution] = {}
         self.origin: dict[int, str] = {}
         self.zones: dict[int, Followed] = {}
@@ -242,7 +243,7 @@ class Plane:
         """Search the zones of points one by one on the loose rule, and refine them together."""
         found: dict[Pattern, list[tuple[int, Array, Array]]] = {}
         for i in targets:
-            load, unit = scaled_load(self.scenes[i])
+            load, unit = self.loads[i]
             if load.frictionless:
                 continue
             factors = self.factors[self.scenes[i].material.poisson_ratio]
@@ -277,7 +278,7 @@ class Plane:
         for j, (i, followed) in enumerate(zip(points.tolist(), found, strict=True)):
             scene = self.scenes[i]
             self.zones[i], self.origin[i] = followed, origin
-            (load, stress), rule = scaled_load(scene), rule_for(followed.tolerance)
+            (load, stress), rule = self.loads[i], rule_for(followed.tolerance)
             zones = tuple(zone.seen_by(itemgetter(j)) for zone in every)
             factors = self.factors[scene.material.poisson_ratio]
             profile = Profile(ZoneFields(factors, load, zones, rule))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
@@ -268,7 +269,9 @@ def sweep(
 
 def _numbers(name: str, given: np.ndarray) -> Array:
     """Return an array of finite numbers; raise SceneError if it is not one."""
-    values = [checked_number(f"sweep: {name}", value) for value in np.ravel(given)]
+    values = np.ravel(given).tolist()
+    if not all(type(value) is float and math.isfinite(value) for value in values):
+        values = [checked_number(f"sweep: {name}", value) for value in values]
     return np.array(values, dtype=float)
 
 
@@ -314,8 +317,9 @@ def _scenes(scene: Scene, points: Array) -> list[Scene]:
             checked = replace(scene, material=material, friction=law)
         names = {*(one.name for one in fields(checked)), "_made_in_si"}
         parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
+    coefficients = set(points[1].tolist())
+    laws = {one: checked_friction(scene.law.with_coefficient(one)) for one in coefficients}
     scenes = [object.__new__(Scene) for _ in range(points.shape[1])]
     for one, ratio, friction in zip(scenes, *points.tolist(), strict=True):
-        checked_law = checked_friction(scene.law.with_coefficient(friction))
-        vars(one).update(parts[ratio], friction=checked_law)
+        vars(one).update(parts[ratio], friction=laws[friction])
     return scenes

@@ -21,10 +21,10 @@ from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
-from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
+from semianalytic.scene.given.finding import check_slot, find, scene_folder, scene_label
 from semianalytic.scene.units import unit
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
-from slipfront.cli.marching import check_resolved
+from slipfront.cli.marching import check_marched, shares_of
 from slipfront.cli.options import (
     LOWER_OPTIONS,
     MARCH_OPTIONS,
@@ -127,9 +127,10 @@ def field_command(
 
     Velocity, stress and displacement are exact if the scene is self-similar, between different
     bodies as well: the lower one is lower_material of the file, or is like the upper one
-    but for the numbers that are given.  A picture is written to DIR/SCENE_QUANTITY.png, an
-    animation to the same folder, grids to DIR/fields.pvd, and the record of the first --gauge to
-    DIR/SCENE_gauge-1.csv; at the end every file is listed with what it shows.
+    but for the numbers that are given.  All other scenes are marched until --time.  A picture is
+    written to DIR/SCENE_QUANTITY.png, an animation to the same folder, grids to DIR/fields.pvd, and
+    the record of the first --gauge to DIR/SCENE_gauge-1.csv; at the end every file is listed with
+    what it shows.
     """
     require("slipfront field", *PLOT, *(FEM if vtu else ()))
     from compare.figures.animation import check_format, write_animation
@@ -141,9 +142,10 @@ def field_command(
     from compare.output.field_files import record_fields, write_frames, write_record
 
     given, label = {**overrides, **lower}, scene_label(scene_name)
-    scene = override_scene(find_scene(scene_name), **given)
+    scene = override_scene(find(scene_name), **given)
     marched = chosen(scene, method).name == "space-time"
     if not marched:
+        check_slot(label, scene)
         check_no_march_options(march_options, scene)
     time = asked(scene, "time", time, "time")
     thickness = asked(scene, "thickness", thickness, "length")
@@ -154,7 +156,8 @@ def field_command(
         raise SceneError("--grid needs --vtu; give both.")
     if form is not None and form not in FORMATS:
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
-    time = 1 / scene.material.shear_speed if time is None else checked_size("field: time", time)
+    usual = scene.run.get("end_time", 1 / scene.material.shear_speed)
+    time = usual if time is None else checked_size("field: time", time)
     asked_window = None if window is None else requests.window_of(scene, window)
     points = requests.count_of("points", points, 2, requests.MOST_POINTS)
     frames = requests.count_of("animate", animate, 0, requests.MOST_FRAMES)
@@ -177,9 +180,11 @@ def field_command(
     with working_folder(directory) as files:
         if marched:
             with bar("marching") as progress:
-                limits = {"end_time": time, "memory": in_bytes(march_options.get("memory"))}
-                settings = {**march_options, **limits, "progress": progress}
-                answer = solve(scene, method="space-time", **settings)
+                settings = {**march_options, "end_time": time}
+                if "memory" in settings:
+                    settings["memory"] = in_bytes(settings["memory"])
+                settings["progress"] = shares_of(scene, progress)
+                answer: Any = solve(scene, method="space-time", **settings)
         else:
             answer = solve(scene, method="self-similar")
         shown_window = asked_window or reach(answer, time)
@@ -223,6 +228,6 @@ def field_command(
         text = "\n".join([f"Written to {directory}/:", *lines])
         Console(soft_wrap=True).print(text, highlight=False, markup=False)
     if method_of(answer) == "space-time":
-        check_resolved(answer, label)
+        check_marched(answer, label)
     else:
         check_converged(answer, label)

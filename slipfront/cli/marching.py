@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -65,11 +65,10 @@ def march_command(
     notes = Console(stderr=True)
     bar = progress_bar(notes, quiet or as_json, "marching")
     with bar as show, deferred_interrupt() as interruption:
+        shares = shares_of(scene, show)
 
         def progress(done: float, whole: float) -> bool:
-            # steps, or times of a march along a line
-            part = (int(_SHARES * done / whole), _SHARES) if scene.on_line else (done, whole)
-            show(*part)
+            shares(done, whole)
             return interruption.pressed
 
         saved: Any = None
@@ -113,14 +112,25 @@ def march_command(
     table = (terminal.run_table if on_line else terminal.march_table)(done, label)
     files = {"Saved": save, "Drawn": plot}
     show_answer(done, document, [table], points, files, draw, as_json=as_json)
-    if not on_line:
-        check_resolved(done, label)
-    elif done.status != "done":
-        raise ComputationError(f"{label} is {done.status}")
+    check_marched(done, label)
 
 
-def check_resolved(marched: Marched, label: str) -> None:
+def shares_of(scene: Scene, show: Callable[[int, int], object]) -> Callable[[float, float], None]:
+    """Return what shows the progress of a march: its steps, or its times along a line."""
+
+    def progress(done: float, whole: float) -> None:
+        part = (int(_SHARES * done / whole), _SHARES) if scene.on_line else (done, whole)
+        show(*map(int, part))
+
+    return progress
+
+
+def check_marched(marched: Any, label: str) -> None:
     """Raise ComputationError if a march is unresolved or misses --rtol; call after printing."""
+    if marched.scene.on_line:
+        if marched.status != "done":
+            raise ComputationError(f"{label} is {marched.status}")
+        return
     why = in_options(marched.caution, MARCH_OPTIONS)
     if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
         raise ComputationError(f"{label} is not within --rtol: {why}.")

@@ -317,14 +317,11 @@ def references_line(judgement: Judgement | Validation) -> str:
 
 
 def verdict_lines(judgement: Judgement | Validation) -> Iterator[str]:
-    """Yield the verdict, how far the two answers are apart, and whether meshes are alike."""
+    """Yield the verdict, and how far the two answers are apart."""
     parts = [f"{count} {verdict}" for verdict, count in judgement.counts.items() if count]
     yield f"Verdict: {judgement.said} ({', '.join(parts) or 'nothing is compared'})."
     if judgement.quoted:
         yield f"{judgement.quoted[0].upper()}{judgement.quoted[1:]}."
-    if unlike := judgement.unlike:
-        names = ", ".join(f"{row.name} (order {row.order:.1f})" for row in unlike)
-        yield f"The meshes are not alike, which widens bars: {names}."
 
 
 def unresolved_lines(

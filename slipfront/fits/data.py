@@ -124,7 +124,7 @@ def _checked_noise(noise: Mapping[str, float]) -> dict[str, float]:
     for name in noise:
         if name not in ("", *QUANTITIES):
             known = ", ".join(QUANTITIES)
-            raise SceneError(f"read_gauges: noise knows {known}, got {shown(name)}.")
+            raise SceneError(f"read_gauges: noise takes {known}, got {shown(name)}.")
     return {name: checked_size(f"noise of {name or 'all'}", one) for name, one in noise.items()}
 
 

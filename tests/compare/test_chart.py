@@ -189,7 +189,7 @@ def test_scenes_without_a_chart_are_refused_in_one_sentence(few, tmp_path, refus
     to = ["--output", str(tmp_path / "out")]
     assert "Nothing of stuck slips until t = 1" in refused(["chart", "stuck", *to])
     assert "There is no scene called 'nowhere'" in refused(["chart", "nowhere", *to])
-    assert "knows scenes with a slot alone" in refused(["chart", "whole-line-patch", *to])
+    assert "takes only scenes with a slot" in refused(["chart", "whole-line-patch", *to])
     assert "same name" in refused(["chart", "preloaded", "preloaded", *to])
     assert "--end-time" in refused(["chart", "preloaded", "--end-time=-1", *to])
     assert list(tmp_path.iterdir()) == []

@@ -33,6 +33,14 @@ def test_problems_answered_in_two_ways(check):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", crossings.CLAIMED)
+def test_errors_of_random_marches_are_within_their_estimates(name):
+    ratios = np.array([crossings.claimed(name, index)["ratio"] for index in range(25)])
+    assert ratios.max() <= 1
+    assert np.median(ratios[ratios > 0]) > 0.2
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_marches_of_random_histories_keep_the_law(seed):
     settings = {"end_time": 1.0, "nodes": 200, "method": "space-time", "companion": False}

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import h5py
+import numpy as np
 import pytest
 from catalogue import SHOCK
 
@@ -24,11 +25,21 @@ def assert_same_run(one, other):
     assert_same(one, other, but=(*OF_CLOCK, "companion"))
 
 
-def test_companions_are_the_runs_at_half_and_a_quarter_of_the_resolution(carrying):
+def test_companions_are_the_run_until_a_half_and_a_quarter_of_its_end(carrying):
+    """In units of length and time twice and four times as long: the scene has neither."""
     assert_same_run(carrying, simulate(SHOCK, resolution=40))
-    assert_same_run(carrying.companion, simulate(SHOCK, resolution=20))
-    assert_same_run(carrying.companion.companion, simulate(SHOCK, resolution=10))
-    assert carrying.companion.companion.companion is None
+    coarse, ratio = carrying.companion, 2
+    while coarse is not None:
+        assert coarse.resolution == carrying.resolution / ratio
+        assert coarse.steps == carrying.steps / ratio
+        seen, part = coarse.interface, carrying.interface
+        levels, nodes = slice(len(seen.t)), slice(len(seen.x))
+        np.testing.assert_allclose(seen.x, ratio * part.x[nodes], atol=1e-12)
+        for name, power in (("slip", 1), ("slip_rate", 0), ("shear_traction", 0)):
+            known, expected = getattr(seen, name), ratio**power * getattr(part, name)
+            np.testing.assert_allclose(known, expected[levels, nodes], atol=1e-10)
+        coarse, ratio = coarse.companion, 2 * ratio
+    assert ratio == 8
 
 
 def test_companions_come_back_from_the_file(carrying, tmp_path):
@@ -67,13 +78,15 @@ def test_only_what_is_missing_is_run(carrying, monkeypatch):
 def test_companions_have_the_settings_of_the_simulation():
     options = {"damping": 0.05, "step_ratio": 0.7, "end_time": 0.5}
     options |= {"model": "two-blocks"}
-    run = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
-    assert_same_run(run.companion, simulate(SHOCK, resolution=16, every=2, **options))
-    assert_same_run(run.companion.companion, simulate(SHOCK, resolution=8, **options))
-    lower = sf.Material(2.0, 1.0, 0.3)
-    pair = replace(SHOCK, lower_material=lower)
-    run = with_companions(simulate(pair, resolution=20))
-    assert_same_run(run.companion, simulate(pair, resolution=10))
+    one = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
+    pair = replace(SHOCK, lower_material=sf.Material(2.0, 1.0, 0.3))
+    for run in (one, with_companions(simulate(pair, resolution=32))):
+        for times, other in ((2, run.companion), (4, run.companion.companion)):
+            assert (other.scene, other.resolution) == (run.scene, run.resolution / times)
+            for name in ("damping", "model", "end_time"):
+                assert getattr(other, name) == getattr(run, name), name
+            assert other.time_step == pytest.approx(times * run.time_step)
+    assert one.companion.interface.t[1] == pytest.approx(one.interface.t[1])
     run = with_companions(simulate(SHOCK, resolution=20, every=10**6))
     assert len(run.companion.interface.t) <= 3
 

@@ -92,10 +92,10 @@ def test_a_table_keeps_its_own_numbers():
 @pytest.mark.parametrize(
     ("problem", "settings", "said"),
     [
-        ("preloaded", {"nodes": 9}, "nodes is no setting of self-similar for a Scene, which knows"),
-        ("growing-load", {"rtol": 1.0}, "for a Scene, which knows none"),
-        ("ramp", {"tol": 1e-3}, "which knows end_time, nodes, rtol, length"),
-        ("punch", {"node": 9}, "which knows end_time, nodes, rtol, step_ratio, .*longest"),
+        ("preloaded", {"nodes": 9}, "nodes is no setting of self-similar for a Scene, which takes"),
+        ("growing-load", {"rtol": 1.0}, "for a Scene, which takes none"),
+        ("ramp", {"tol": 1e-3}, "which takes end_time, nodes, rtol, length"),
+        ("punch", {"node": 9}, "which takes end_time, nodes, rtol, step_ratio, .*longest"),
         (replace(sf.find("punch"), run={}), {}, "give end_time"),
         ("preloaded", {"method": "fem"}, "method must be one of auto, self-similar, space-time"),
         ("pair-slip", {"method": "space-time"}, "got a Scene of two solids"),

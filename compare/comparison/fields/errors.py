@@ -106,10 +106,11 @@ def field_errors(
     DataFileError
         If the frames cannot be read or are of another run.
     """
-    # a march under a load whose front moves has the methods, but no fields
-    if not isinstance(prediction, BodyFields) or not getattr(prediction, "has_bodies", True):
-        return None
     scene, size = simulation.scene, simulation.element_size
+    # a march follows a load whose front moves over a part of the slot only
+    part = bool(scene.front_slowness) and getattr(prediction, "method", "") == "space-time"
+    if part or not isinstance(prediction, BodyFields) or not prediction.has_bodies:
+        return None
     widest = BAND * COARSEST * size / scene.material.shear_speed
     fronts = fronts_in(prediction, scene, shortest=widest)
     listed = listed_frames(folder, simulation.run)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
+from compare.output.field_files import resolved
 from semianalytic.results.answer import BodyFields
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     velocity = fields.velocity(nodes.x, nodes.y, frame.time)
     displacement = fields.displacement(nodes.x, nodes.y, frame.time)
     base = fields.stress(0.0, 1.0, 0.0)[:, None]
-    stress = fields.stress(elements.x, elements.y, frame.time) - base
+    stress = fields.stress(elements.x, resolved(fields, elements.y), frame.time) - base
     moved = np.concatenate([velocity, displacement])
     pairs = {
         name: Pair(name, nodes, values, predicted)

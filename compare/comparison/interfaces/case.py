@@ -22,6 +22,7 @@ from compare.comparison.quantities.edge_rows import (
     room,
 )
 from compare.comparison.quantities.history_rows import map_row
+from compare.comparison.quantities.likeness_rows import likeness_rows
 from compare.comparison.quantities.local_rows import STILL, local_rows
 from compare.comparison.quantities.own_rows import (
     BEYOND,
@@ -74,18 +75,12 @@ class LineMesh:
     resolution: int
     element_size: float
     companion: LineMesh | None
-    rate_window: float = 0.0
 
 
 class LineCase(Case):
     """A run and simulations of the same interface, ready to be compared in its own units."""
 
-    amplified, needed, error_estimate, strength_changes = "", None, 0.0, ()
-    largest_order = 1.0
-    """Faces that are loaded suddenly start a part of a step late, which is an error of first order
-    in all slip that follows, however fast the rest of it converges.  With 1.25, as for scenes, slip
-    under rate-and-state friction was 1.0 to 1.2 bars off; with half of this value bars are twice as
-    long."""
+    amplified, needed, error_estimate, strength_changes, scales = "", None, 0.0, (), False
     local = 4.0
     """No place of 36 drawn interfaces was beyond 3.4 times what coarser meshes let expect without
     this; with half of this value one in three had a place that is not known to be right."""
@@ -125,6 +120,23 @@ class LineCase(Case):
         apart = x[:, None] - np.concatenate(slots) + period / 2
         apart = np.abs(apart % period - period / 2)
         return np.asarray(apart.min(axis=1, initial=np.inf) < width)
+
+    @cached_property
+    def window(self) -> float:
+        """Time over which slip rates are averaged where meshes are compared [time], between stored
+        levels: about the window of the coarsest mesh."""
+        bodies, passed = self.run.scene.bodies, float(self.seen.t[1] - self.seen.t[0])
+        crossing = self.runs[-1].element_size / min(body.shear_speed for body in bodies)
+        return passed * max(1, round(RATE_WINDOW * crossing / passed))
+
+    def largest_order(self, kind: str) -> float:
+        """Return the highest order of convergence that is believed of a kind of field.
+
+        Faces that are loaded suddenly start a part of a step late, which is an error of first order
+        in all slip that follows, however fast the rest of it converges.  With 1.25, slip under
+        rate-and-state friction was 1.0 to 1.2 bars off.
+        """
+        return super().largest_order(kind) if kind == "slip rate" else 1.0
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
@@ -205,28 +217,15 @@ class LineCase(Case):
         """Whether the contact opens anywhere, in the run or simulated."""
         return "gap" in self.fields
 
-    def estimate(self, name: str) -> float:
-        """Return the relative error estimate of a field: of pressure, that of its change."""
-        # the estimate of pressure is relative to all of it, that of traction to its change
-        done, size = self.run, self._mean(name, self.at_nodes)
-        share = done.error_estimates.get(name, 0.0)
-        if name == "pressure" and size:
-            share *= (
-                float(np.abs(done.interface.pressure[:, done.interface.touching]).mean()) / size
-            )
-        return share
-
     def rows(self) -> Iterator[Row]:
         """Rows of all fields over space and time, at their worst places, and of laws."""
         if "slip_rate" in self.fields:
             yield from self._edge_rows()
         for name in self.fields:
-            unsure = np.full_like(
-                self.seen.slip, self.estimate(name) * self._mean(name, self.at_nodes)
-            )
-            yield map_row(self, name, unsure, smooth=True)
+            yield map_row(self, name, np.zeros_like(self.seen.slip), smooth=True)
         yield from local_rows(self)
         yield from self._law_rows()
+        yield from likeness_rows(self)
 
     def _zones(self, history: InterfaceHistory) -> tuple[SlipInterval, ...]:
         """Return where a history slips at the end, from one node before the first one on."""
@@ -334,7 +333,8 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         changes = InterfaceHistory(x=one.x, t=one.t, **fields)
         mesh = LineMesh(one, changes, one.nodes, done.scene.period / one.nodes, mesh)
     both: tuple[Any, Any] = done, mesh
-    return LineCase(*both, predicted_changes(done, simulations[0].x), None)
+    coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
+    return LineCase(*both, predicted_changes(done, simulations[0].x), coarse)
 
 
 def predicted_changes(done: Run, x: Array) -> InterfaceHistory:

@@ -42,7 +42,7 @@ the nodes of the run, as of `two-slots`."""
 def judge_interface(done: Run, simulations: Sequence[LineSimulation]) -> Judgement:
     """Judge a run by simulations of the same interface on meshes of h, 2h and 4h.
 
-    The run has error estimates, and times of the simulations; its nodes are a multiple of theirs.
+    The run has a companion, and times of the simulations; its nodes are a multiple of theirs.
     Values that are not finite raise DataFileError.
     """
     case = line_case(done, simulations)
@@ -61,8 +61,9 @@ def compare_interface(
     """Run an interface, simulate it with finite elements on three meshes, and judge both.
 
     Each quantity has an error bar: what the three meshes show of the error of the finest one
-    (`compare.comparison.bars.error_bar`), and the error estimate of the run.  The finite elements
-    share the description of the interface and its law of friction with the run, and nothing else.
+    (`compare.comparison.bars.error_bar`), and how far the run is from its companion on half of the
+    nodes.  The finite elements share the description of the interface and its law of friction with
+    the run, and nothing else.
     Nodes are those of the run, by default 512, or up to twice as many, so that ends of contacts lie
     midway between the nodes of all grids.  `mesh_nodes`, those of the finest mesh, divide them and
     are a multiple of 4, as many as about half a minute allows unless given.  `progress` is called

@@ -42,17 +42,33 @@ def local_rows(case: Case) -> Iterator[Row]:
     The bar of a place comes from the two coarser meshes alone, so that a single wrong value of the
     simulation does not widen it.  There are no rows without two coarser meshes.
     """
+    for name, at, (before, after, own) in worst_places(case):
+        words, symbol = f"{name.replace('_', ' ')}, place by place", case.unit(name)[1]
+        row = Row(words, "local", None, before, after, after - before, own, symbol)
+        row = replace(row, place=case.place(*at))
+        if case.opens and not all(run.interface.gap.any() for run in case.runs):
+            reason = "one mesh opens, another does not: no place has a bar"
+            yield replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
+        else:
+            yield judged(case, row, ErrorBar(own, None, np.inf, converges=True))
+
+
+def worst_places(case: Case) -> Iterator[tuple[str, tuple[int, int], tuple[float, float, float]]]:
+    """Yield each field with the level and node at which it is off by the most error bars, and with
+    the predicted value there, the simulated one and the bar, over the unit of the field."""
     if len(case.runs) < 3:
         return
     left_out, moving = case.beside_fronts(_width(case)), _beside_motion(case)
     left_out |= (case.seen.t < (1 - ROUNDING) * case.early * case.end_time)[:, None]
     if not (left_out | moving).all():
         for name in case.fields:
-            yield _local_row(case, name, left_out, moving)
+            yield name, *_worst(case, name, left_out, moving)
 
 
-def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
-    unit, symbol, _ = case.unit(name)
+def _worst(
+    case: Case, name: str, left_out: Mask, moving: Mask
+) -> tuple[tuple[int, int], tuple[float, float, float]]:
+    unit = case.unit(name)[0]
     seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
     predicted, simulated = (getattr(one, name) / unit for one in (case.at_nodes, seen))
     x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
@@ -60,7 +76,7 @@ def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
     change += _driven(case, name)
     largest = float(np.abs(getattr(middle, name)).max()) / unit
     bar = LOCAL * scipy.ndimage.maximum_filter(change, _band(case)) + LOCAL_FLOOR * largest
-    bar = case.local * bar + case.nothing(name) + case.estimate(name) * largest
+    bar = case.local * bar + case.nothing(name) + case.error_estimate * largest
     if case.doubted is not None:
         doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
         bar += scipy.ndimage.maximum_filter(doubt, _band(case))
@@ -69,13 +85,7 @@ def _local_row(case: Case, name: str, left_out: Mask, moving: Mask) -> Row:
     off[left_out | np.isinf(bar)] = -1.0
     level, node = (int(at) for at in np.unravel_index(np.argmax(off), off.shape))
     at = level, node
-    before, after, own = float(predicted[at]), float(simulated[at]), float(bar[at])
-    words, place = f"{name.replace('_', ' ')}, place by place", case.place(level, node)
-    row = Row(words, "local", None, before, after, after - before, own, symbol, place=place)
-    if case.opens and not all(run.interface.gap.any() for run in case.runs):
-        reason = "one mesh opens, another does not: no place has a bar"
-        return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
-    return judged(case, row, ErrorBar(own, None, np.inf, converges=True))
+    return at, (float(predicted[at]), float(simulated[at]), float(bar[at]))
 
 
 def _driven(case: Case, name: str) -> Array:

@@ -13,7 +13,7 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.bars import ErrorBar
-from compare.comparison.case import FIELDS, Case, companions_of
+from compare.comparison.case import FIELDS, WHOLE_STEPS, Case, companions_of
 from compare.comparison.judging import judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 WORN = ("final_path", "final_work_density")
-WHOLE_STEPS = 1e-6
-"""Tolerance for rounding between times of levels and of the ends of windows, in steps."""
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
 AT_REST = "traction before the waves"
 SPARSE = "only some steps of the simulation are stored, which do not tell {}; store all of them"

@@ -1,8 +1,7 @@
 """Marches against exact answers and finer marches: the tables of docs/how_we_know.md.
 
 ``python -m docs.studies.accuracy.march march-accuracy --output docs`` measures slip rates by nodes,
-`march-fields` the fields in the bodies, `march-weakening` slip that weakens, and `march-error` what
-marches say of their own errors, on random scenes.
+`march-fields` the fields in the bodies, and `march-weakening` slip that weakens.
 """
 
 from __future__ import annotations
@@ -18,20 +17,13 @@ from numpy.typing import NDArray
 
 import semianalytic as sf
 from compare.comparison.measures import relative_error
-from docs.studies.runner import Point, Row, Study, grouped, main
-from docs.studies.trials.draws import drawn, random_history_scene, random_step_scene
+from docs.studies.runner import Point, Row, Study, main
 from semianalytic.results.answer import Answer
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.given.named import NAMED_SCENES
 
 Array = NDArray[np.float64]
 
 SELF_SIMILAR = ("preloaded", "remote-shock", "auxetic", "antiplane")
-NODES, FINER = 256, 6
-"""Nodes of the marches whose estimates are judged, and how many times finer their references are
-where there is no exact answer."""
-STEPS, HISTORIES, SEED = 30, 24, 14
-"""Number of random scenes with step loads and with other load histories."""
 IN_PROCESS_ZONE, FINEST_IN_PROCESS_ZONE = (2, 3, 4, 6, 8, 12, 16, 24), 64
 """Nodes in the process zone of slip weakening, and of the references."""
 POINTS = 300
@@ -110,7 +102,9 @@ def field_errors(scene: sf.Scene, nodes: int) -> Row:
     end = 1 / scene.material.shear_speed
     marched, exact = reference(scene, end, nodes), sf.solve(scene)
     reach = 1.1 * scene.fastest_speed * end
-    at = *np.random.default_rng(1).uniform(-reach, reach, (2, POINTS)), end
+    x = np.random.default_rng(1).uniform(-reach, reach, (POINTS // 12, 12))
+    depths = reach * np.linspace(0.1, 1.0, 6)  # those of both bodies share their sums
+    at = x, np.concatenate([depths, -depths]), end
     errors: Row = {}
     for name in ("velocity", "stress", "displacement"):
         true, rest = getattr(exact, name)(*at), getattr(exact, name)(*at[:2], 0.0)
@@ -164,45 +158,6 @@ def rate_error(marched: sf.Marched, truth: Answer) -> float:
     return float(np.abs(own.slip_rate[seen] - exact).sum()) / size if size else 0.0
 
 
-def error_points(quick: bool) -> list[Point]:
-    """Return the scenes whose marches are judged."""
-    shares = range(STEPS // 10 if quick else STEPS), range(HISTORIES // 8 if quick else HISTORIES)
-    named = [("named", name) for name in NAMED_SCENES][:: 6 if quick else 1]
-    return [*named, *(("step", i) for i in shares[0]), *(("history", i) for i in shares[1])]
-
-
-def judged_march(kind: str, which: str | int, nodes: int = NODES) -> list[Row]:
-    """Judge the march of a scene; return no rows if it has none, or if the march is unresolved."""
-    random = random_step_scene if kind == "step" else random_history_scene
-    scene = sf.find(which) if isinstance(which, str) else drawn(SEED, which, random)[0]
-    if isinstance(scene.law, sf.RateWeakening):
-        kind = "rate weakening"
-    else:
-        kind = "self-similar" if scene.is_self_similar else "histories and slip weakening"
-    end = 1 / scene.material.shear_speed
-    try:
-        marched = sf.solve(scene, method="space-time", end_time=end, nodes=nodes)
-        if marched.status != "resolved":
-            return []
-        if scene.is_self_similar:
-            return judged(kind, marched, sf.solve(scene, method="self-similar"))
-        length, finer = nodes * marched.grid.spacing, FINER * nodes
-        return judged(kind, marched, reference(scene, end, finer, length))
-    except sf.SlipfrontError:
-        return []
-
-
-def ratios(rows: list[Row]) -> list[Row]:
-    """Return how often and how far estimates exceed true errors, by kind of scene and quantity."""
-    table: list[Row] = []
-    for (kind, quantity), group in sorted(grouped(rows, "scenes", "quantity"), reverse=True):
-        found = np.array([row["estimate"] / row["true"] for row in group])
-        row: Row = {"scenes": kind, "quantity": quantity, "cases": len(found)}
-        row |= {"covered": float(np.mean(found >= 1)), "least": float(found.min())}
-        table.append(row | {"median": float(np.median(found)), "largest": float(found.max())})
-    return table
-
-
 def weakening(name: str, counts: Sequence[int]) -> list[Row]:
     """Return errors by nodes in the process zone, relative to marches with many more there."""
     scene, end = WEAKENING[name]
@@ -231,7 +186,6 @@ STUDIES = [
     ),
     Study("march-fields", _by_scene(SELF_SIMILAR, (64, 128, 256, 512, 1024)), fields),
     Study("march-weakening", _by_scene(tuple(WEAKENING), IN_PROCESS_ZONE), weakening),
-    Study("march-error", error_points, judged_march, ratios),
 ]
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ import numpy as np
 import scipy
 
 import semianalytic as sf
+from compare.comparison.case import companions_of
 from compare.comparison.comparing import compare
 from compare.comparison.interfaces.comparing import judge_interface
 from compare.comparison.judgement import Judgement, judge
@@ -34,7 +35,7 @@ from compare.comparison.rows import Row as JudgedRow
 from docs.studies.runner import JOURNALS, Point, Row, Study, grouped, main
 from docs.studies.trials import wrong_answers as bad
 from docs.studies.trials.draws import KINDS, judged_interface, judged_scene
-from fem import Simulation, simulate
+from fem import Simulation, simulate, with_companions
 
 SEED = 20461128
 COUNTS: Mapping[str, int] = {
@@ -173,7 +174,7 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
     def row(mistake: str, place: str, effect: float, judgement: Judgement | None) -> None:
         line: Row = {"kind": kind, "index": index, "mistake": mistake, "place": place}
         line |= {"bars": effect, "verdict": "refused" if judgement is None else judgement.verdict}
-        rows.append(line | {"unlike": bool(judgement and judgement.unlike)})
+        rows.append(line)
 
     exact = flawless(truth, case)
     makes, size = changes(case), 0.01
@@ -213,14 +214,13 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
 def changes(case: Stored) -> list[dict[str, Callable[[Any, float], Any]]]:
     """Return what makes each of the runs wrong by a size, by name."""
     made = [dict(bad.RUNS[case.is_scene]) for _ in case.simulations]
-    scene = bad.loaded(case.prediction.scene) if case.is_scene else None
+    scene, run = bad.loaded(case.prediction.scene) if case.is_scene else None, case.simulations[0]
     if scene is not None:
         with suppress(sf.SceneError, sf.ComputationError):
-            more = [
-                simulate(scene, run.end_time, resolution=run.resolution, damping=run.damping)
-                for run in case.simulations
-            ]
-            for known, run, other in zip(made, case.simulations, more, strict=True):
+            options = {"resolution": run.resolution, "damping": run.damping}
+            more = with_companions(simulate(scene, run.end_time, **options))
+            others = (more, *companions_of(more))
+            for known, run, other in zip(made, case.simulations, others, strict=True):
                 known["load"] = partial(bad.mixed, run, other)
     return made
 
@@ -264,10 +264,7 @@ def flawless(truth: Judgement, case: Stored) -> Any:
 
 
 def power(rows: list[Row]) -> list[Row]:
-    """Return what is said of mistakes, by what is wrong and by size in bars.
-
-    Caught is what does not agree, and what agrees with the remark that meshes are not alike.
-    """
+    """Return what is said of mistakes by what is wrong and by size in bars."""
     found = []
     for (place,), group in grouped(rows, "place"):
         for low in (CATCHABLE, SURE):
@@ -277,10 +274,8 @@ def power(rows: list[Row]) -> list[Row]:
                 continue
             said = [row["verdict"] for row in part]
             line: Row = {"wrong": place, "bars_from": low, "tried": len(part)}
-            line |= {name: said.count(name) for name in (DIFFERS, UNRESOLVED, "refused")}
-            quiet = sum(row["verdict"] == AGREES and not row["unlike"] for row in part)
-            line |= {"remarked": said.count(AGREES) - quiet, "agrees": quiet}
-            found.append(line | {"caught": 1 - quiet / len(part)})
+            line |= {name: said.count(name) for name in (DIFFERS, UNRESOLVED, "refused", AGREES)}
+            found.append(line | {"caught": 1 - said.count(AGREES) / len(part)})
     return found
 
 

@@ -1,255 +1,401 @@
-"""Velocity, stress and displacement in both bodies after a march.
+"""Velocity, stress and displacement in both bodies after a march along a line.
 
-Three parts add up (docs/spacetime.md, "Fields in the bodies").  Jumps of the loads on an interface
-that sticks have exact fields (`field.stuck_steps`).  Slip ahead of all waves sends plane waves, and
-loads the slot by minus its traction.  The remaining tractions of y = 0 are continuous: they come
-from slip of the contact and from kinks and waves of the loads (`remainder`).  Their fields are
-summed over wavenumbers and frequencies (`wavefield`).
+The bodies are driven by slip rate and opening rate of the whole line, slots included.  Both are
+bounded where tractions are singular, and hold all loads of slots.  One Fourier transform along x
+and one in time, at frequencies s = eta + i omega (the exponential window), give the waves that the
+faces send (`transfer`); sums over them are the fields (`spectrum`).  What acts on the line without
+moving its faces against each other is added: base, tractions that come from afar, and the plane
+wave of an incident load.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.engine.bodies.remainder import Remainder, SlotLoad, far_traction
-from semianalytic.engine.bodies.wavefield import Quantity, Spectrum, evaluated
-from semianalytic.field.body import checked_points
-from semianalytic.field.stuck_steps import stuck_step
-from semianalytic.halfplane.rayleigh import Mode
-from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.engine.bodies.motion import Levels, Motion
+from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between
+from semianalytic.engine.stepping.line import Grid
+from semianalytic.field.body import Quantity, checked_points
+from semianalytic.field.plane_wave import plane_wave
+from semianalytic.halfplane.edge_factors import edge_offset_and_factors
+from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.questions import ROUNDING, check_times
-from semianalytic.scene.contact import traction_ahead
+from semianalytic.results.reading import SAMPLED_SAFETY
+from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave
+from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.scene import Material, Scene
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+STEPS = 0.3, 0.8
+"""Spacing of levels over h / c_t: shorter and longer steps of a march are interpolated."""
+MOST_LEVELS = 1 << 25
+"""Largest number of levels times nodes, of which the waves take 24 bytes each."""
+STICKS = 1e-3
+"""Part of the slip of a slot beside an edge up to which the contact there sticks."""
+AT_ONCE = 128
+"""Places along x whose histories are formed at once."""
+
 
 @dataclass(frozen=True, eq=False)
 class MarchedBodies:
-    """The fields in both bodies of a marched scene, which its `Marched` returns.
+    """The fields in both bodies after a march.
 
     Attributes
     ----------
     scene : Scene
-        The scene that was marched.
-    interface : InterfaceHistory
-        Fields of the contact at the observed nodes, the first half a node distance from the edge,
-        and at the stored levels.
-    share : float
-        Part of the wavenumbers that are summed.
+        What was marched.
+    motion : Motion
+        Rates of the nodes of one period, slots included, less those of the bodies far away.
+    first, spacing : float
+        Position of the first node, and node distance [length].
+    edges : tuple of (position, side)
+        Edges at which tractions are singular, and 1 or -1 for a contact right or left of them.
+    centre : float, optional
+        Position about which everything is even [length].
+    within : (float, float)
+        Least and largest x [length]; beyond them all is as it is there.
+    nearest : float
+        Least distance from the interface at which stress is known [length].
+    followed : float
+        How far the contact is known [length].
     """
 
     scene: Scene
-    interface: InterfaceHistory
-    share: float = 1.0
+    motion: Motion
+    first: float
+    spacing: float
+    edges: tuple[tuple[float, float], ...] = ()
+    centre: float | None = None
+    within: tuple[float, float] = (-math.inf, math.inf)
+    nearest: float = 0.0
+    followed: float = math.inf
+
+    @property
+    def length(self) -> float:
+        """Period of the line [length]."""
+        return self.motion.slip.shape[1] * self.spacing
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity; see `Marched.velocity`."""
-        return self._change("velocity", x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress; see `Marched.stress`."""
-        rows = self._change("stress", x, y, t)
-        # pressure is positive in compression, sigma_yy in tension
-        rows[1] -= traction_ahead(self.scene, "pressure", x, t)
-        rows[-1] += traction_ahead(self.scene, "shear", x, t)
-        return rows
+        """Return the particle velocity; see `AnswerInBodies.velocity`."""
+        return self._carried(self._field("velocity", x, y, t), y, 1.0)
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement; see `Marched.displacement`."""
-        return self._change("displacement", x, y, t)
+        """Return the displacement since t = 0; see `AnswerInBodies.displacement`."""
+        return self._carried(self._field("displacement", x, y, t), y, np.maximum(t, 0.0))
 
-    def _change(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the rows (n, ...) of a quantity since t = 0, without the base."""
+    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the stress; see `AnswerInBodies.stress`."""
         x, y, t = checked_points(x, y, t)
-        self._check_reach(x, y, t)
-        begun = t > 0
-        at = x[begun], y[begun], t[begun]
-        # the sums are made in the upper body; the sign bit tells 0.0 and -0.0, the two faces, apart
-        signs = np.where(np.signbit(at[1]), self._mirrored(quantity)[:, None], 1.0)
-        changes = signs * (self._waves(quantity, *at) + self._plane_waves(quantity, *at))
-        changes *= self._unit(quantity)
-        for slot in (self._remainder.normal, self._remainder.shear):
-            if slot.jumps:
-                rows = self._rows(quantity, slot.mode)
-                changes[rows] += self._of_jumps(slot, quantity, *at)[rows]
-        result = np.zeros((len(changes), *x.shape))
-        result[:, begun] = changes
-        return result
-
-    def _of_jumps(self, slot: SlotLoad, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
-        """Return the rows (n, p) of the fields of load jumps on a stuck interface, at points (p,).
-
-        Beside an edge that slips, the stuck stress intensity is taken away again by the sum over
-        wavenumbers, which ends at the highest of them.  That part of it is therefore followed no
-        closer to the edge than this sum follows it.
-        """
-        # Stress at a twentieth of the shortest wave is off by 1 to 2 times itself, with 0.6 or 2.4
-        # by up to 2.5, without by 5 times.
-        least = 1.0 / self._spectra[0].wavenumbers[-1]
-        distance = np.hypot(x, y)
-        near = (distance < least) & (quantity == "stress" and slot.mode != "I")
-        total = _of_steps(self._solid, slot, quantity, x, y, t)
-        if near.any():
-            share = np.interp(t[near], self.interface.t, self._remainder.singular_share)
-            followed = share * np.where(share == 0, 0.0, total[:, near])
-            r = distance[near]
-            # The share that stays under a singular pressure is exact at the point itself; the rest
-            # is evaluated at the distance `least`, on the same ray from the edge.
-            out = least / np.where(r > 0, r, 1.0)
-            at = np.where(r > 0, out * x[near], least), out * y[near], t[near]
-            total[:, near] = followed + (1 - share) * _of_steps(self._solid, slot, quantity, *at)
-        return total
-
-    @property
-    def _solid(self) -> Material:
-        """The material of both bodies."""
-        return self.scene.material
-
-    @cached_property
-    def _remainder(self) -> Remainder:
-        """The tractions of y = 0 that have no exact fields."""
-        scene, times = self.scene, self.interface.t
-        load, far = scene.superposition.taken_off, far_traction(scene, times)
-        normal = SlotLoad.of("I", load.pressure, scene.pressure_history, times)
-        shear = SlotLoad.of(scene.shear_mode, load.shear, scene.shear_history, times)
-        if np.any(far):
-            # Where the whole line slips ahead of all waves, its plane waves change the traction of
-            # the slot faces too.  The load taken off them makes up for it: a jump at t = 0, and
-            # what follows it.
-            jumps = (*shear.jumps, (0.0, float(far[0])))
-            shear = replace(shear, jumps=jumps, rest=shear.rest + (far - far[0]))
-        return Remainder(scene, self.interface, far, normal, shear, self.share)
-
-    @cached_property
-    def _spectra(self) -> tuple[Spectrum, ...]:
-        """The amplitudes of these tractions over wavenumbers and frequencies."""
-        return self._remainder.spectra()
-
-    def _rows(self, quantity: Quantity, mode: Mode) -> slice:
-        """Return the rows of a quantity that a mode contributes to: those of z or the others."""
-        plane = 3 if quantity == "stress" else 2
-        return slice(plane, None) if mode == "III" else slice(0, plane)
-
-    def _mirrored(self, quantity: Quantity) -> Array:
-        """Return the signs that turn fields of shear in the upper body into those of the lower one.
-
-        They relate a point of the lower body to its mirror image in the upper one.
-        """
-        # v_x is odd in y, v_y even, since slip is antisymmetric; sigma_xy is continuous, so even,
-        # sigma_xx and sigma_yy odd.  Likewise v_z and sigma_xz odd, sigma_yz even.
-        count = 3 - (not self.scene.antiplane)
-        if quantity == "stress":
-            return np.array([-1.0, -1.0, 1.0, -1.0, 1.0])[: 2 * count - 1]
-        return np.array([-1.0, 1.0, -1.0])[:count]
-
-    def _unit(self, quantity: Quantity) -> float:
-        """Return the unit of a quantity computed with c_t = mu = 1 and stress in its own unit."""
-        material = self.scene.material
-        inverse = {"stress": 1.0, "velocity": material.shear_impedance}
-        return 1 / inverse.get(quantity, material.shear_modulus)
-
-    def _waves(self, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
-        """Return the rows (n, p) summed over wavenumbers, at points mirrored into the upper body.
-
-        They vanish beyond the distance that waves from the edge have reached.
-        """
-        result = np.zeros((len(self._mirrored(quantity)), len(x)))
-        inside = np.abs(x) < self._remainder.reach
-        for spectrum in self._spectra:
-            sheared = "I" if spectrum.shear is None else self.scene.shear_mode
-            rows = self._rows(quantity, sheared)
-            for seen, here in _seen_by_bodies(spectrum, inside, np.signbit(y)):
-                at = x[here], np.abs(y[here]), self._solid.shear_speed * t[here]
-                result[rows, here] += evaluated(seen, quantity, self._ratio, sheared, *at)
-        return result
-
-    def _plane_waves(self, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
-        """Return the rows (n, p) of plane waves, at points mirrored into the upper body.
-
-        They come from slip ahead of all waves, and from the slot beyond the waves of the edge,
-        where the sum over wavenumbers is left out.
-        """
-        left, result = self._remainder, np.zeros((len(self._mirrored(quantity)), len(x)))
-        depth, time = np.abs(y), self._solid.shear_speed * t
-        if np.any(left.far):
-            result += self._plane_wave(quantity, left.shear.mode, left.far, depth, time)
-        behind = x <= -left.reach
-        for slot in (left.normal, left.shear):
-            if slot.varies and behind.any():
-                wave = self._plane_wave(quantity, slot.mode, slot.rest, depth[behind], time[behind])
-                # taken off the slot: the change of pressure is minus the load, that of sigma_yy
-                # plus the load; that of the shear traction is minus the load
-                pressed = np.where(np.signbit(y[behind]), -1.0, 1.0)
-                result[:, behind] += (pressed if slot.mode == "I" else -1.0) * wave
-        return result
-
-    def _plane_wave(
-        self, quantity: Quantity, mode: Mode, traction: Array, depth: Array, time: Array
-    ) -> Array:
-        """Return the rows (n, p) of the plane wave that a uniform traction sends upwards.
-
-        `traction` (m,) is given at the stored levels, `depth` and `time` (c_t t) are (p,).
-        """
-        slowness = self._ratio if mode == "I" else 1.0
-        levels = self._solid.shear_speed * self.interface.t
-        if quantity == "displacement":
-            # velocity integrated over time, by the trapezoidal rule
-            steps = np.diff(levels) * (traction[1:] + traction[:-1]) / 2
-            traction = np.concatenate([[0.0], np.cumsum(steps)])
-        value = np.interp(time - slowness * depth, levels, traction, left=0.0)
-        rows = np.zeros((len(self._mirrored(quantity)), len(depth)))
-        if quantity != "stress":
-            # traction over impedance, 1 for S waves and c_l / c_t for P waves; a wave that runs
-            # towards +y under tension moves particles towards -y
-            rows[{"I": 1, "II": 0, "III": 2}[mode]] = -slowness * value
-        elif mode == "I":
-            # sigma_xx / sigma_yy = lambda / (lambda + 2 mu) = 1 - 2 (c_t / c_l)^2
-            rows[:2] = (1 - 2 * slowness**2) * value, value
-        else:
-            rows[-1] = value
+        self._check_depth(y)
+        rows, base = self._field("stress", x, y, t), self.scene.base
+        rows[1] -= _uniform(base.pressure)
+        rows[-1] += _uniform(base.shear)
+        for load in self.scene.loads:
+            # a load far away that is everywhere at once is in place on both bodies
+            if isinstance(load, InterfaceLoad) and load.on == "line" and load.history is not None:
+                for row, of, sign in ((1, "pressure", -1.0), (-1, "shear", 1.0)):
+                    if size := _uniform(getattr(load, of)):
+                        rows[row] += sign * size * _factors(load, t)
         return rows
 
-    @property
-    def _ratio(self) -> float:
-        """The ratio c_t / c_l of wave speeds."""
-        return self._solid.shear_speed / self._solid.longitudinal_speed
+    def _carried(self, rows: Array, y: ArrayLike, amount: ArrayLike) -> Array:
+        """Return rows of a motion with that of the bodies far away added, so often [time]."""
+        half = np.copysign(self.scene.plate_rate / 2, np.asarray(y, dtype=float))
+        rows[-1 if self.scene.antiplane else 0] += half * np.asarray(amount)
+        return rows
+
+    def _field(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return the rows (n, ...) of a quantity, of which stress is the change by all waves."""
+        x, y, t = checked_points(x, y, t)
+        check_times(t, self.motion.t)
+        self._check_reach(x, y, t)
+        rows = np.zeros((self._count(quantity), *x.shape))
+        begun = t > self.motion.t[0]
+        if begun.any() and self.motion.slip.size:
+            rows[:, begun] = self._moved(quantity, x[begun], y[begun], t[begun])
+        for load in self.scene.loads:
+            if isinstance(load, FrontLoad) and isinstance(load.front, IncidentWave):
+                if self.scene.lower_material is not None:
+                    raise SceneError(
+                        "the plane waves that an incident wave sends through two "
+                        "different bodies are not computed; simulate the scene."
+                    )
+                at = x - load.at, y, t
+                wave = plane_wave(load.front, self.scene.material, quantity, at, load.history)
+                rows += wave[: len(rows)]
+        return rows
+
+    def _count(self, quantity: Quantity) -> int:
+        stress, along = quantity == "stress", self.scene.antiplane
+        return 2 + stress + along * (1 + stress)
+
+    def _moved(self, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
+        """Return the rows (n, p) of a quantity that motion of the faces makes, at points (p,)."""
+        asked: Asked = "strain" if quantity == "stress" else quantity
+        rows, below = np.empty((self._count(quantity), len(x))), np.signbit(y)
+        place = np.clip(x + self._displaced(x), *self.within)
+        # Without opening the lower body is the mirror image of the upper one.
+        alike = self.scene.lower_material is None and not self.motion.opening.size
+        flips = np.array([1, 1, -1, 1, -1] if asked == "strain" else [1, -1, 1])[: len(rows), None]
+        parts: Sequence[tuple[bool, Flags]] = [(False, ~below), (True, below)]
+        for lower, here in [(False, np.ones_like(below))] if alike else parts:
+            if here.any():
+                found = self._summed(lower, asked, place[here], np.abs(y[here]), t[here])
+                rows[:, here] = found[: len(rows)]
+        # seen from its own face, what is odd in y changes its sign in the lower body
+        rows[:, below] *= -flips if alike else flips
+        if asked == "strain":
+            rows = np.where(below, *(_hooke(rows, self.scene.bodies[lower]) for lower in (1, 0)))
+        return rows
+
+    def _summed(self, lower: bool, asked: Asked, x: Array, depth: Array, t: Array) -> Array:
+        """Return rows at points (p,) of one body, by sums for each depth or for each time."""
+        spectrum = self._spectrum(lower)
+        times, depths = np.unique(t), np.unique(depth)
+        found = np.empty((5 if asked == "strain" else 3, len(x)))
+        # what a depth costs, and a time, over what a wave at one depth does
+        if len(times) * (30 + 6 * len(depths)) < 150 * len(depths):
+            for time in times:
+                at = t == time
+                found[:, at] = spectrum.picture(asked, x[at], depth[at], float(time))
+            return found
+        levels = self._levels
+        for one in depths:
+            at = np.flatnonzero(depth == one)
+            places, which = np.unique(x[at], return_inverse=True)
+            for start in range(0, len(places), AT_ONCE):
+                record = spectrum.histories(asked, places[start : start + AT_ONCE], one)
+                here = (which >= start) & (which < start + AT_ONCE)
+                place, weight = between(
+                    (t[at[here]] - levels.start) / levels.step, levels.count + 1, 3
+                )
+                columns = (which[here] - start)[:, None]
+                found[:, at[here]] = (record[:, columns, place] * weight).sum(axis=-1)
+        return found
+
+    @cached_property
+    def _levels(self) -> Levels:
+        """The times of the transform."""
+        t, speed = self.motion.t, self.scene.material.shear_speed
+        lengths = np.diff(t)
+        least, most = (share * self.spacing / speed for share in STEPS)
+        # the shortest steps, but for those that a jump of a load or the end has cut
+        step = float(np.clip(np.quantile(lengths, 0.1), least, most))
+        nodes, count = self.motion.slip.shape[1], math.ceil((t[-1] - t[0]) / step * (1 - 1e-9))
+        if count * nodes > MOST_LEVELS:
+            raise SceneError(
+                f"fields in the bodies: {count} times of {step:.3g} on {nodes} nodes are too many; "
+                "end the march earlier, or take fewer nodes."
+            )
+        return Levels(float(t[0]), step, max(count, 16))
+
+    @cached_property
+    def _rates(self) -> dict[str, Array]:
+        """Mean rates between the levels."""
+        motion, along = self.motion, "z" if self.scene.antiplane else "x"
+        rates = {along: self._levels.means(motion.t, motion.slip)}
+        if motion.opening.size:
+            rates["y"] = self._levels.means(motion.t, motion.opening)
+        return rates
+
+    @cached_property
+    def _spectra(self) -> dict[bool, Spectrum]:
+        return {}
+
+    def _spectrum(self, lower: bool) -> Spectrum:
+        """Return the waves that a face sends."""
+        if lower not in self._spectra:
+            scene = self.scene
+            bodies = (scene.material,) if scene.lower_material is None else scene.bodies
+            held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
+            grid = self.first, self.spacing
+            self._spectra[lower] = Spectrum.of(
+                self._levels, bodies, lower, *grid, self._rates, held, self.centre
+            )
+        return self._spectra[lower]
+
+    def _displaced(self, x: Array) -> Array:
+        """Return how far from places x (p,) the grid has what belongs there [length].
+
+        Beside an edge of singular tractions it has its first node 0.310 h from there, not h / 2.
+        """
+        if not self.edges:
+            return np.zeros_like(x)
+        places, sides = np.array(self.edges).T
+        nodes = self.motion.slip.shape[1]
+        offset, _ = edge_offset_and_factors()
+        share = np.interp(x, places, sides, period=nodes * self.spacing)
+        return np.asarray((0.5 - offset) * self.spacing * share)
 
     def _check_reach(self, x: Array, y: Array, t: Array) -> None:
-        """Raise SceneError for times and places that the recorded interface does not determine."""
-        check_times(t, self.interface.t)
-        end = float(self.interface.x[-1] + self.interface.x[0])
-        # beyond the recorded contact something happens from the first wave on
-        arrival = (end + np.hypot(x - end, y)) / self.scene.fastest_speed
-        if np.any(t > arrival * (1 + ROUNDING)):
+        """Raise SceneError for times and places that the nodes do not determine."""
+        end = self.followed
+        if end < math.inf:
+            # beyond the contact that a march follows something happens from the first wave on
+            arrival = (end + np.hypot(x - end, y)) / self.scene.fastest_speed
+            if np.any(t > arrival * (1 + ROUNDING)):
+                raise SceneError(
+                    f"this answer knows the contact to x = {end:.6g} only, and waves from beyond "
+                    "have come; ask for earlier times, or march on a greater length "
+                    "(docs/limits.md)."
+                )
+            if self.scene.front_slowness and np.any(x < self.within[0]):
+                raise SceneError(
+                    "the load that runs along the slot is followed from x = "
+                    f"{self.within[0]:.6g} on; ask for fields ahead of that."
+                )
+
+    def _check_depth(self, y: Array) -> None:
+        """Raise SceneError for points at which the grid does not resolve stress."""
+        near = np.abs(y) < self.nearest * (1 - 1e-9)
+        if near.any():
+            depth = float(np.abs(y[near]).min())
+            nodes = self.motion.slip.shape[1]
+            instead = "ask for stress farther from the interface"
+            if depth:
+                enough = 4 * math.ceil(nodes * self.spacing / depth / 4)
+                instead = f"take {enough} nodes of the line, or " + instead
             raise SceneError(
-                f"this answer knows the contact to x = {end:.6g} only, and waves from beyond have "
-                "come; ask for earlier times, or march on a greater length (docs/limits.md)."
+                f"stress: y = {depth:.3g} is nearer to the interface than nodes "
+                f"{self.spacing:.3g} apart resolve; {instead}."
             )
 
 
-def _of_steps(
-    solid: Material, slot: SlotLoad, quantity: Quantity, x: Array, y: Array, t: Array
-) -> Array:
-    """Return the rows (n, p) of the fields that load jumps cause with a stuck interface."""
-    step = getattr(stuck_step(solid, slot.mode), quantity)
-    return np.sum([height * step(x, y, t - start) for start, height in slot.jumps], axis=0)
+@asked_in_units
+class MarchedAnswer(AnswerInBodies):
+    """A march, whose companion on half the nodes indicates its errors.
+
+    Fields in the bodies follow from slip and opening of the whole line (docs/engine.md, "Fields in
+    the bodies").  Points of one depth, or of one time, share most of the work.
+    """
+
+    if TYPE_CHECKING:  # what the classes have that inherit from this one
+        companion: Any
+        scene: Scene
+
+        @property
+        def end_time(self) -> float:
+            """The last time [time]."""
+
+    def error_of(self, reading: Callable[[Any], ArrayLike]) -> Array:
+        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
+
+        The estimate is 1.6 times the difference from the companion; it assumes that the error falls
+        with the first power of the node distance or faster.  It is too small at a point where
+        the two curves cross: take the largest value, or a norm, over several places.
+
+        Parameters
+        ----------
+        reading : callable
+            Function of a march that returns a number or an array, as
+            ``lambda march: march.slip(x, t)``.
+
+        Returns
+        -------
+        array
+            The estimate, of the shape of the reading; nan without a companion.
+        """
+        if self.companion is None:
+            return np.full(np.shape(reading(self)), np.nan)
+        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
+        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+
+    @cached_property
+    def _coarser(self) -> Any:
+        """The companion, whose stress is asked for as close to the interface as that of this."""
+        other = replace(self.companion)
+        # where `cached_property` keeps it
+        other.__dict__["_bodies"] = replace(other._bodies, nearest=self._bodies.nearest)
+        return other
+
+    @cached_property
+    def field_error(self) -> float:
+        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
+
+        It is the difference from the companion at 60 random places of 12 depths until where waves
+        have come from x = 0, at the end; nan without a companion.
+        """
+        if self.companion is None:
+            return math.nan
+        bodies, speed = self._bodies, self.scene.fastest_speed
+        reach = min(speed * self.end_time, bodies.followed, bodies.length / 2)
+        # The seed is fixed, so that the estimate of a march is always the same number.
+        x = reach * np.random.default_rng(0).uniform(-1, 1, (5, 12))
+        y = np.linspace(4 * bodies.nearest, reach, 6)
+        place, end = (x, np.concatenate([y, -y])), min(self.end_time, reach / speed)
+        stress, before = self.stress(*place, end), min(float(bodies.motion.t[0]), 0.0)
+        size = float(np.abs(stress - self.stress(*place, before)).sum())
+        apart = np.abs(stress - self._coarser.stress(*place, end))
+        return float(apart.sum()) / size if size else 0.0
 
 
-def _seen_by_bodies(
-    spectrum: Spectrum, inside: Flags, below: Flags
-) -> Iterator[tuple[Spectrum, Flags]]:
-    """Return the spectrum as each body sees it, with the points (p,) that lie in that body."""
-    # without pressure both bodies see the same, up to the signs of `_mirrored`
-    if spectrum.normal is None:
-        parts = [(spectrum, inside)]
-    else:
-        parts = [(spectrum, inside & ~below), (spectrum.mirrored, inside & below)]
-    return (part for part in parts if part[1].any())
+def bodies_on(scene: Scene, motion: Motion, grid: Grid) -> MarchedBodies:
+    """Return the bodies of a march on a grid, of which all nodes have a motion."""
+    slip, opening, first = motion.slip - np.float32(scene.plate_rate), motion.opening, grid.x[0]
+    if grid.even:
+        # a node at an end of half the line has no image
+        alone, first = int(not grid.between), -grid.x[-1]
+        slip, opening = (
+            np.concatenate([one[:, alone:][:, ::-1], one[:, : one.shape[1] - alone]], axis=1)
+            for one in (slip, opening)
+        )
+    motion = Motion(motion.t, slip, opening if opening.any() else opening[:, :0])
+    spacing = grid.spacing
+    edges = tuple(singular_edges(scene, motion, first, spacing))
+    centre = 0.0 if grid.even else None
+    line = scene, motion, float(first), spacing, edges, centre
+    return MarchedBodies(*line, nearest=spacing)
+
+
+def singular_edges(
+    scene: Scene, motion: Motion, first: float, spacing: float
+) -> Iterator[tuple[float, float]]:
+    """Yield the edges at which tractions are singular: those that stick, or slip under a pressure
+    that is singular."""
+    lengths = np.diff(motion.t)
+    nodes = motion.slip.shape[1]
+    for end in scene.contact.ends(nodes * spacing):
+        side = 1.0 if scene.contact.touches([end + spacing / 2])[0] else -1.0
+        place = (end - first) / spacing
+        inside = math.floor(place) + 1 if side > 0 else math.ceil(place) - 1
+        on, off = inside % nodes, (inside - int(side)) % nodes
+        slips, opens = (
+            [float(lengths @ np.abs(one[:, at])) for at in (on, off)] if one.size else [0.0, 0.0]
+            for one in (motion.slip, motion.opening)
+        )
+        pressed = opens[1] > 0 and scene.lower_material is None
+        sticks = slips[0] <= STICKS * slips[1] or pressed
+        if sticks and opens[0] <= STICKS * opens[1]:
+            yield float(end), side
+
+
+def _hooke(strain: Array, body: Material) -> Array:
+    """Return the stress (n, p) of a strain in plane strain."""
+    nu = body.poisson_ratio
+    stress = strain.copy()
+    stress[:2] += nu / (1 - 2 * nu) * (strain[0] + strain[1])
+    return np.asarray(2 * body.shear_modulus * stress)
+
+
+def _uniform(field: object) -> float:
+    """Return a field along x if it is a number: one that varies does not say what the bodies carry
+    away from the interface."""
+    return 0.0 if callable(field) else float(field)  # type: ignore[arg-type]
+
+
+def _factors(load: InterfaceLoad, t: Array) -> Array:
+    """Return the factors of a load at times of any shape, after jumps."""
+    times, which = np.unique(t, return_inverse=True)
+    values = np.array([load.factor(time, after=True) if time >= 0 else 0.0 for time in times])
+    return values[which].reshape(t.shape)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from semianalytic.engine.scenes.marched import Marched
 from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.stepping.advance import Span, through
-from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
 from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
@@ -27,7 +26,6 @@ from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
 
@@ -229,11 +227,88 @@ def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
     return tractions
 
 
-class FrontPressure(ClosedLine):
-    """The contact pressure at grid nodes under a front that moves, marched as shear is.
+class FreeFaces(ClosedLine):
+    """A line beside a slot, whose faces are free, and whose contact moves as is known.
 
-    The contact stays closed, as one that friction holds, and the slot faces keep their pressure.
-    The grid sees the edge of this problem as it sees that of shear.
+    It is its own law and local problem.  The grid sees the edge as it sees that of a march.
+
+    Parameters
+    ----------
+    marched : Marched
+        Scene, memory and damping.
+    nodes : ContactGrid
+        Nodes, also those of a longer slot than that of the march.
+    name : {"pressure", "shear"}
+        What acts on the line: rates are those at which the slot closes, or slips.
+    front : Front, optional
+        The load at the nodes, if its front moves.
+    given : function of times (k,) and whether they are just after jumps, optional
+        Rates of the contact, (k, contact) [length / time]; by default it stays closed.
+    """
+
+    sweeps, follows_state = SWEEPS, False
+
+    def __init__(
+        self,
+        marched: Marched,
+        nodes: ContactGrid,
+        name: Literal["pressure", "shear"],
+        front: Front | None,
+        given: Callable[[Array, bool], Array] | None = None,
+    ) -> None:
+        scene, solid, kernel = marched.scene, marched.scene.material, marched.memory
+        self.grid, self.kept, self.damping = nodes.line, nodes.contact, marched.damping
+        self.speed, self.impedance = solid.shear_speed, solid.shear_impedance / 2
+        self.jumps: Sequence[float] = ()
+        if name == "pressure":
+            self.impedance = solid.density * solid.longitudinal_speed / 2
+            opening = Opening(solid.shear_speed / solid.longitudinal_speed)
+            # as accurate as the memory of shear
+            tolerance = min(max(kernel.error, 2 * TOLERANCES[0]), TOLERANCES[1])
+            kernel = fit_memory(opening, kernel.horizon, tolerance)
+        self.memory = LineMemory(kernel, self.grid.wavenumbers)
+        self.law: Any = self
+        self.balance: Any = self
+        self.on, self._slot, self._front, self._name = nodes.contact, nodes.slot, front, name
+        self._load = getattr(scene.superposition.taken_off, name)
+        self._history = getattr(scene, f"{name}_history")
+        self._given = given or (lambda times, _: np.zeros((len(times), nodes.size - nodes.slot)))
+
+    def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
+        """Yield the ends of steps (`ClosedLine.levels`), with known rates as pressures."""
+        for end, step, rates in zip(ends, steps, self._given(np.array(ends), False), strict=True):
+            yield self._level(end, step, end, rates)
+
+    def after(self, time: float, step: float) -> Level:
+        """Return a level just after loads have jumped (`ClosedLine.after`)."""
+        rates = self._given(np.array([time]), True)[0]
+        return self._level(time, step, math.nextafter(time, math.inf), rates)
+
+    def _level(self, time: float, step: float, since: float, rates: Array) -> Level:
+        """Return a level under the load of a time."""
+        if self._front is not None:
+            return Level(time, step, *self._front(self._name, time, step), rates)
+        return Level(time, step, self._load * float(self._history.value(since)), 0.0, rates)
+
+    def closed(
+        self, stopping: Array, slot: Any, _: Array, rates: Array, out: Array, *__: Any
+    ) -> None:
+        """Write the rates of all nodes (`Balance.closed`)."""
+        out[self.on] = rates
+        out[: self._slot] = (stopping[: self._slot] - slot) / self.impedance
+
+    def strength(self, *_: Array) -> float:
+        """Return that what is known does no work."""
+        return 0.0
+
+    def turn(self, *_: Array) -> None:
+        """Do nothing at a new level."""
+
+    forget = recall = turn
+
+
+class FrontPressure(FreeFaces):
+    """The contact pressure at grid nodes under a front that moves, marched as shear is.
 
     Parameters
     ----------
@@ -245,22 +320,10 @@ class FrontPressure(ClosedLine):
         Largest time step before that time [time].
     """
 
-    sweeps, jumps = SWEEPS, ()
-
     def __init__(self, marched: Marched, front: Front, step: float) -> None:
-        material, nodes, memory = marched.scene.material, marched.grid, marched.memory
-        self.grid, self.kept, self.damping = nodes.line, nodes.contact, marched.damping
-        self.speed = material.shear_speed
-        self.impedance = material.density * material.longitudinal_speed / 2
-        self.law, self._front = Coulomb(0.0, cohesion=1e60), front
-        touching = np.arange(nodes.size) >= nodes.slot
-        self.balance = Balance(self.law, self.impedance, touching, self.grid)
-        opening = Opening(material.shear_speed / material.longitudinal_speed)
-        # as accurate as the memory of shear
-        tolerance = min(max(memory.error, 2 * TOLERANCES[0]), TOLERANCES[1])
-        kernel = fit_memory(opening, memory.horizon, tolerance)
-        self.memory = LineMemory(kernel, self.grid.wavenumbers)
-        self._none = none = np.zeros(nodes.size - nodes.slot)
+        nodes = marched.grid
+        super().__init__(marched, nodes, "pressure", front)
+        none = np.zeros(nodes.size - nodes.slot)
         begun = Reached(marched.begins, np.zeros(nodes.size), none, none, none, none)
         self._blocks = EqualSteps(self, begun)
         self._blocks.jump(self.after(marched.begins, step))
@@ -268,14 +331,6 @@ class FrontPressure(ClosedLine):
             until = [Span(marched.begins, marched.reached.time, step)]
             for _ in through(self, self._blocks, until, lambda time: False):
                 pass
-
-    def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
-        """Yield the ends of steps (`ClosedLine.levels`), without friction's pressure."""
-        return map(self.after, ends, steps)
-
-    def after(self, time: float, step: float) -> Level:
-        """Return a level of the load, which jumps at each node in turn."""
-        return Level(time, step, *self._front("pressure", time, step), self._none)
 
     def now(self) -> Array:
         """Return the pressure at the time reached, (contact,) [stress]."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.beside_edges import film_error, hidden_openings
+from semianalytic.engine.bodies.marched_bodies import MarchedAnswer, MarchedBodies
 from semianalytic.engine.convergence import MEMORY_SAFETY, Departure, safety
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
@@ -24,18 +25,18 @@ from semianalytic.engine.scenes.nodes import ContactGrid
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
-from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
-from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.contact import process_zone
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, Tractions
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
+
+SMALLEST = 1e-300
+"""What sums are divided by where nothing slips."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +108,7 @@ class MarchStatistics:
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Marched(AnswerInBodies, SampledAnswer):
+class Marched(MarchedAnswer, SampledAnswer):
     """The slip history of an interface by the space-time solver; see `SampledAnswer`.
 
     `march` returns it.  Fields are known at the stored levels and interpolated linearly between
@@ -149,8 +150,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         Order of convergence seen between this march and a coarser one, if `rtol` asked for both.
     entry : float
         Distance from the tip at which a load that comes along the slot begins [length], else 0.
-    field_share : float
-        Part of the wavenumbers that are summed for fields in the bodies.
 
     Examples
     --------
@@ -190,7 +189,6 @@ class Marched(AnswerInBodies, SampledAnswer):
     rtol: float | None = None
     entry: float = 0.0
     order: float | None = None
-    field_share: float = 1.0
 
     @property
     def begins(self) -> float:
@@ -226,40 +224,28 @@ class Marched(AnswerInBodies, SampledAnswer):
             return math.inf if apart.difference or self._missed_zone is not None else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        return safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
-
-    def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
-        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
-
-        The estimate is 1.6 times the difference from the companion, whose fields in the bodies are
-        summed over half the wavenumbers; it assumes that the error falls with the first power of
-        the node distance or faster.  It is too small at a point where
-        the two curves cross: take the largest value, or a norm, over several places.
-
-        Parameters
-        ----------
-        reading : callable
-            Function of a march that returns a number or an array, as
-            ``lambda march: march.slip(x, t)``.
-
-        Returns
-        -------
-        array
-            The estimate, of the shape of the reading; nan without a companion.
-        """
-        if self.companion is None:
-            return np.full(np.shape(reading(self)), np.nan)
-        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
+        of_grids = safety(self.order) * apart.share + MEMORY_SAFETY * self.memory.error
+        return of_grids + self._of_film + self._hidden
 
     @cached_property
-    def _coarser(self) -> Marched:
-        """The companion, with fields in the bodies from half the wavenumbers.
+    def _of_film(self) -> float:
+        """Error of the slip rate at the edge of a film, over all of it, at the stored levels."""
+        rates, slope = self.interface.slip_rate, self.scene.law.steady_slope()
+        if not slope or self.grid.observed == 1:
+            return 0.0
+        wrong = film_error(rates[:, 0], rates[:, 1], slope, self.scene.impedance)
+        return float(wrong.sum() / max(np.abs(rates).sum(), SMALLEST))
 
-        Beside the edge the sum over wavenumbers limits the fields, however many nodes there are.
-        """
-        assert self.companion is not None
-        return replace(self.companion, field_share=self.field_share / 2)
+    @cached_property
+    def _hidden(self) -> float:
+        """Force that openings which no node shows take off slip, over that which drives it."""
+        scene, known, spacing = self.scene, self.interface, self.grid.spacing
+        held, load = scene.superposition
+        left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
+        shear, slips = known.shear_traction, known.slip_rate[:, 0] != 0
+        force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
+        driving = spacing * np.abs(shear - held.shear).sum()
+        return float(force.sum() / max(force.sum() + driving, SMALLEST))
 
     def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
         """Return the times at which something begins at the nodes; slip is known at every step."""
@@ -337,36 +323,16 @@ class Marched(AnswerInBodies, SampledAnswer):
         """The word "resolved", or "unresolved" where there is a `caution`."""
         return "unresolved" if self.caution else "resolved"
 
-    @property
-    def has_bodies(self) -> bool:
-        """Whether the march knows the fields in the bodies: where no front of a load moves."""
-        return isinstance(self.scene.load, Tractions)
-
     @cached_property
     def _bodies(self) -> MarchedBodies:
-        if not self.has_bodies:
-            raise SceneError(
-                "march: the fields in the bodies under an incident wave or a moving load are not "
-                "known from a march; ask `solve`, or simulate the scene (docs/limits.md)."
-            )
-        return MarchedBodies(self.scene, self.interface, self.field_share)
+        from semianalytic.engine.scenes.freed import bodies_beside_slot  # which takes a march
 
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
+        return bodies_beside_slot(self)
 
-        March and companion are compared at 60 random points, at the end time or when waves have
-        crossed the observed contact.  The estimate is nan without a companion.
-        """
-        reach = self.grid.observed * self.grid.spacing
-        # The seed is fixed, so that the estimate of a march is always the same number.
-        x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, 60))
-        end = min(self.end_time, reach / self.scene.fastest_speed)
-        # Sums come first: at points that no wave has reached, a ratio would be 0 / 0.
-        off = self.error_of(lambda march: march.stress(x, y, end)).sum()
-        change = np.abs(self.stress(x, y, end) - self.stress(x, y, 0.0)).sum()
-        # A finer grid does not reduce 2e-4 (`preloaded`) to 3e-4 (kinks).
-        return float(off / change) + 3e-4 if change else 0.0
+    @property
+    def nearest_depth(self) -> float:
+        """Least distance from the interface at which stress is known: that of nodes [length]."""
+        return self.grid.spacing
 
     @property
     def final_path(self) -> Array:

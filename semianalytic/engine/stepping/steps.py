@@ -214,7 +214,8 @@ class Stepper(ClosedLine):
 
         A step that is so long that its iteration did not converge at the speeds with which it ends
         is repeated with half its length: friction that rises with the logarithm of the slip rate
-        damps short waves the less, the faster the interface slips.
+        damps short waves the less, the faster the interface slips.  So is one in which slip begins:
+        it may have begun at any time of the step.
         """
         length, rung = self.length(now)
         while True:
@@ -223,7 +224,8 @@ class Stepper(ClosedLine):
             last = left <= length * (1 + 1e-9)
             kept = [one.past() for one in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
-            if not kept or length <= self.ladder.convergent(after) / BOUND_SHARE:
+            begins = after.rate[self.touching].any() and not now.rate[self.touching].any()
+            if not kept or (not begins and length <= self.ladder.convergent(after) / BOUND_SHARE):
                 return after
             for memory, one in zip(self._every_memory(), kept, strict=True):
                 memory.put_back(one)

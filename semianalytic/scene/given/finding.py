@@ -35,13 +35,13 @@ def check_slot(what: str, scene: Scene) -> None:
     `solve` alone takes others."""
     if scene.on_line:
         raise SceneError(
-            f"{what}: this knows a slot beside a contact alone, and the scene has {scene.on_line}, "
+            f"{what}: this takes only a slot beside a contact, and the scene has {scene.on_line}, "
             "which is marched along a line; use slipfront solve or compare, or `solve` in "
             "Python (docs/engine.md)."
         )
     if not scene.has_slot or scene.grows:
         raise SceneError(
-            f"{what}: this knows scenes with a slot alone, under loads that do not grow as a power "
+            f"{what}: this takes only scenes with a slot, under loads that do not grow as a power "
             "of time; use slipfront solve, or `solve` in Python (docs/whole_line.md)."
         )
 
@@ -126,7 +126,7 @@ def scene_of_one_solid(function: str, given: object) -> Scene:
     scene = checked_scene(function, given)
     if scene.lower_material is not None:
         raise SceneError(
-            f"{function}: this knows identical bodies only, and the scene has a lower_material; "
+            f"{function}: this takes identical bodies only, and the scene has a lower_material; "
             "solve a step on the slot exactly, slipfront solve or survey, or simulate the scene "
             "with finite elements, slipfront simulate; slipfront compare does both "
             "(docs/dissimilar.md)."

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from semianalytic.scene.checks import checked_number, checked_size, finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike, expression
-from semianalytic.scene.laws.sampling import BARRIER, sampled
+from semianalytic.scene.laws.sampling import BARRIER, barrier_misfit, sampled, widened
 
 Array = NDArray[np.float64]
 
@@ -237,17 +237,30 @@ class Law(Alike, ABC):
 
         With a node distance, nodes near a jump of a field take its mean; see `sampling.sampled`.
         """
-        if not is_dataclass(self):
-            return self
         x = np.asarray(x, dtype=float)
         owner = type(self).__name__
-        given = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
         drawn = {
             name: sampled(f"{owner}: {name}", value, x, spacing, BARRIER)
-            for name, value in given.items()
-            if callable(value)
+            for name, value in self._along.items()
         }
-        return replace(self, **drawn) if drawn else self
+        return replace(cast(Any, self), **drawn) if drawn else self
+
+    @property
+    def _along(self) -> dict[str, Any]:
+        """Fields that are functions of x, by their names."""
+        if not is_dataclass(self):
+            return {}
+        values = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
+        return {name: value for name, value in values.items() if callable(value)}
+
+    def barrier_misfit(self, x: Array, spacing: float) -> float:
+        """Return how far a grid has ends of barriers from their places; see `sampling`."""
+        return max((barrier_misfit(one, x, spacing) for one in self._along.values()), default=0.0)
+
+    def with_wider_barriers(self, by: float) -> Self:
+        """Return the law with barriers that reach farther by a distance on either side [length]."""
+        wider: dict[str, Any] = {name: widened(one, by) for name, one in self._along.items()}
+        return replace(cast(Any, self), **wider) if wider else self
 
 
 def coefficient_field(law: type) -> str | None:

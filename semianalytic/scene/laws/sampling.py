@@ -55,6 +55,30 @@ def sampled(
     return _with_jumps(field, x, values, spacing, largest) if spacing else values
 
 
+def barrier_misfit(field: Any, x: Array, spacing: float) -> float:
+    """Return how far nodes x (n,) have the ends of barriers from their places, over their distance.
+
+    The node of a cell in which a field jumps beyond `BARRIER` takes its value: the grid has the
+    jump at an end of the cell.
+    """
+    size = np.abs(_across(field, x, spacing, 64))
+    cut = size.max(axis=0) > BARRIER * size.min(axis=0)
+    part = (size > np.sqrt(BARRIER) * size.min(axis=0)).mean(axis=0)[cut]
+    return float(np.minimum(part, 1 - part).max(initial=0.0))
+
+
+def widened(field: Any, by: float) -> Any:
+    """Return a function of x whose barriers reach farther by a distance on either side [length]."""
+
+    def wider(x: Array) -> Array:
+        own, *others = (np.broadcast_to(field(x + one), x.shape) for one in (0.0, -by, by))
+        for other in others:
+            own = np.where(np.abs(other) > BARRIER * np.abs(own), other, own)
+        return np.asarray(own, dtype=float)
+
+    return wider
+
+
 def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
     """Return a function of x and t at nodes (n,) and a time, with means where it jumps.
 

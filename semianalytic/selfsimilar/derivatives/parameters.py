@@ -96,8 +96,8 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
     if excess and profile.fields.factors.mode == "III" and not load.load_pressure:
         raise SceneError(
-            "derivative: the base is at friction, and out of the plane this solver does not know "
-            "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."
+            "derivative: the base is at friction, and in antiplane shear the derivative is "
+            "infinite at the shear front; lower the base shear a little (docs/limits.md)."
         )
     return replace(rates, front_excess=excess)
 

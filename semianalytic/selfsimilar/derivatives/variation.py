@@ -276,7 +276,7 @@ class Surroundings:
             if all(one.layout == self._fields.layout for one in outer):
                 return stencil
         raise ComputationError(
-            "the zones beside the solution are of another kind however near; ask for the "
+            "the set of zones changes at this value of the parameter; take the "
             "derivative a little to one side of the parameter."
         )
 

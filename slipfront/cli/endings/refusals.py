@@ -87,7 +87,7 @@ def sentence(error: Any) -> str:
     if hasattr(error, "possibilities"):
         if str(error.option_name).startswith("--lower-"):
             return (
-                f"{called} has no option {error.option_name}, for it knows identical bodies only; "
+                f"{called} has no option {error.option_name}, for it takes identical bodies only; "
                 "slipfront solve, compare, explore, field, survey and simulate take others "
                 "(docs/dissimilar.md)."
             )

@@ -24,9 +24,9 @@ from slipfront.cli.terminal import print_json
 MOST = 1000
 """Largest number of pairs of a position and a time; more are a typing error."""
 _ARRIVALS: Mapping[str, str] = {
-    "slip": "slip comes",
-    "forward": "forward slip comes",
-    "reverse": "reverse slip comes",
+    "slip": "slip begins",
+    "forward": "forward slip begins",
+    "reverse": "reverse slip begins",
     "opening": "it opens",
 }
 _DIGITS = 12

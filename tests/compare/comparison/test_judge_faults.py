@@ -16,7 +16,7 @@ from compare.comparison.prediction import planned, predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.own_rows import own_rows
 from compare.comparison.rows import AWAY, REST
-from docs.studies.trials.wrong_answers import FAULTS
+from docs.studies.trials.wrong_answers import FAULTS, RUNS
 from fem import simulate, with_companions
 from semianalytic import Coulomb, IncidentWave, Material, RateWeakening, Scene, Tabulated, Tractions
 from semianalytic.parameters.overriding import override_scene
@@ -32,6 +32,18 @@ def judged(scene, resolution=None):
     prediction, choice = planned(scene, snapshots=True, resolution=resolution)
     run = simulated(scene, choice.resolution, 1 / scene.material.shear_speed)
     return judge(prediction or predict_like(run), run)
+
+
+@pytest.mark.parametrize("mistake", ["scaled", "late"])
+@pytest.mark.parametrize("number", [1, 2])
+def test_coarser_runs_are_the_run_itself_until_parts_of_its_end(number, mistake):
+    """A run that is wrong by 0.1 % agrees with nothing, whatever its bars."""
+    run = simulated(PRELOADED, 40)
+    assert judge(solved(PRELOADED), run).verdict == "agrees"
+    runs = [run, run.companion, run.companion.companion]
+    runs[number] = RUNS[True][mistake](runs[number], 1e-3)
+    wrong = replace(run, companion=replace(runs[1], companion=runs[2]))
+    assert judge(solved(PRELOADED), wrong).verdict == "unresolved"
 
 
 @pytest.mark.slow

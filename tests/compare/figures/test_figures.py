@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.local_rows import worst_places
 from compare.comparison.scales import scene_fronts
 from compare.figures.histories import comparison_figures, curve
 from compare.figures.interface import (
@@ -122,6 +123,23 @@ def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]
     (mesh,) = fronts_figure(mirrored, history).axes[0].collections
     assert mesh.norm.vmin == -mesh.norm.vmax
+
+
+def test_places_beyond_their_bars_are_marked_in_the_map_of_differences():
+    solution = solved(NAMED_SCENES["preloaded"].scene)
+    right = sampled_run(solution, resolution=50)
+    name, at, _ = next(worst_places(side_by_side(solution, right)))
+    rate = right.interface.slip_rate.copy()
+    rate[at] += rate.max()
+    wrong = replace(right, interface=replace(right.interface, slip_rate=rate))
+    for run, marked in ((right, []), (wrong, ["slip rate"])):
+        case = side_by_side(solution, run)
+        panel = comparison_figures(case)["sense"](case).axes[2]
+        assert [text.get_text() for text in panel.texts if "rate" in text.get_text()] == marked
+    (mark,) = (line for line in panel.lines if line.get_marker() == "o")
+    place = case.seen.x[at[1]] / case.length, case.seen.t[at[0]] / case.end_time
+    np.testing.assert_allclose(mark.get_xydata(), [place])
+    assert name == "slip_rate"
 
 
 @pytest.mark.slow

@@ -8,7 +8,9 @@ import pytest
 import semianalytic as sf
 from compare.comparison.interfaces import comparing
 from compare.comparison.interfaces.comparing import compare_interface, judge_interface
+from compare.comparison.rows import UNLIKE
 from docs.studies.lines import scene_along
+from docs.studies.trials.wrong_answers import RUNS
 from semianalytic.scene.errors import DataFileError, SceneError
 from slipfront.cli.commands import main
 
@@ -51,6 +53,17 @@ def test_different_bodies_agree(judged):
     assert rows["pressure"].over_bar < 1
     assert [one.nodes for one in judged.case.simulations] == [256, 128, 64]
     assert all(abs(one.imbalance) < 1e-12 for one in judged.case.simulations)
+
+
+@pytest.mark.parametrize("mistake", ["scaled", "late"])
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_coarser_run_that_is_wrong_alone_leaves_all_unresolved(judged, number, mistake):
+    """Its changes are a factor or a delay of all slip, which is no error of a mesh."""
+    runs = list(judged.case.simulations)
+    runs[number] = RUNS[False][mistake](runs[number], 0.1)
+    wrong = judge_interface(judged.prediction, runs)
+    assert wrong.verdict != "agrees"
+    assert any(row.obstacle == UNLIKE for row in wrong.rows)
 
 
 @pytest.mark.thinned(2)
@@ -211,10 +224,9 @@ def test_contacts_that_stick_are_decided_by_their_tractions(contact):
         "times": list(judged.prediction.interface.t),
     }
     wrong = sf.solve(replace(face, base=sf.Tractions(1.0, 0.06)), **given)
-    shown = judge_interface(
-        changed(judged.prediction, shear_traction=wrong.interface.shear_traction),
-        list(judged.case.simulations),
-    )
+    other = changed(judged.prediction, shear_traction=wrong.interface.shear_traction)
+    coarse = replace(wrong.companion, scene=face)
+    shown = judge_interface(replace(other, companion=coarse), list(judged.case.simulations))
     assert shown.verdict == "differs"
 
 

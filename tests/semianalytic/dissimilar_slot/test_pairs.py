@@ -329,3 +329,16 @@ def test_a_singular_jacobian_at_the_first_step_leaves_the_set_of_zones(monkeypat
     assert len(calls) > 1
     assert found.status == "converged"
     assert found.zones[0].outer == pytest.approx(known.zones[0].outer, rel=1e-6)
+
+
+def test_slip_rates_under_a_film_are_within_their_estimate_everywhere():
+    """Between the middles and the ends of panels they were off by 1.03 of it."""
+    upper, lower = sf.Material(0.6436321, 0.7143553, 0.2616997), sf.Material(1.0, 1.0, 0.1124854)
+    law, base = sf.Coulomb(0.3515591, viscosity=1.9822956), sf.Tractions(1.0, 0.1336763)
+    scene = sf.Scene(upper, law, base, sf.Tractions(0.0, 0.6190854), lower_material=lower)
+    rough, fine = (sf.solve(scene, rtol=rtol) for rtol in (1e-5, 1e-9))
+    (zone,) = fine.zones
+    rate, right = (
+        one.slip_rate(np.linspace(0.01, 0.99, 400) * zone.outer, 1.0) for one in (rough, fine)
+    )
+    assert np.abs(rate - right).max() < rough.error_estimate * np.abs(right).max()

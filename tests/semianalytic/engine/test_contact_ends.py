@@ -122,33 +122,6 @@ def test_a_grid_is_moved_with_the_interface(nodes):
         assert error == pytest.approx(other.error_estimates[name], rel=1e-3), name
 
 
-@pytest.mark.slow
-def test_slip_between_ends_anywhere_is_within_its_error():
-    rng = np.random.default_rng(7)
-    for _ in range(6):
-        ends = (rng.uniform(-5, -1), rng.uniform(1, 5))
-        place, size = rng.uniform(-0.5, 0.5), rng.uniform(0.5, 0.9)
-        load = sf.InterfaceLoad(
-            lambda x, place=place, size=size: size * np.exp(-((x - place) ** 2)),
-            history=sf.Ramp(rng.uniform(0.2, 1.0)),
-        )
-        solid, law = (
-            sf.Material(1.0, 1.0, rng.uniform(-0.4, 0.4)),
-            sf.Coulomb(rng.uniform(0.2, 0.4)),
-        )
-        face = scene_along(solid, law, 16.0, contact=Contact([ends]), loads=[load])
-        most = face.contact.fitting_nodes(16.0, 2900, 1, movable=True)
-        done, truth = (
-            sf.solve(face, end_time=2.0, times=[2.0]),
-            one_run(face, 2.0, most, times=[2.0]),
-        )
-        assert done.contact_misfit < 0.05
-        x = np.linspace(ends[0] + 0.1, ends[1] - 0.1, 200)
-        slip, exact = (one.at(one.interface.slip[-1], x) for one in (done, truth))
-        error = np.abs(slip - exact).sum() / np.abs(exact).sum()
-        assert error < done.error_estimates["slip"] < 0.05
-
-
 def test_by_default_ends_fit(truth):
     done = sf.solve(punch(), end_time=END, times=[END])
     assert done.contact_misfit == 0

@@ -7,7 +7,7 @@ import pytest
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
-from semianalytic.engine.estimate import missed_slip
+from semianalytic.engine.beside_edges import EdgeNodes
 from semianalytic.results import files
 
 SOLID = sf.Material(1.0, 1.0, 1 / 3)
@@ -28,7 +28,7 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     done = sf.solve(pushed(friction), end_time=1.0, nodes=512, times=[1.0])
     assert not done.interface.slip[:, done.interface.touching].any()
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
-    length, area = missed_slip(done)
+    length, area = EdgeNodes(done).missed_slip
     assert length == pytest.approx(zone.outer, rel=0.1)
     assert f"slips beside an edge over about {length:.2g}" in done.status
     needed = int(done.status.split("use ")[1].split()[0])
@@ -39,13 +39,9 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
 
 
 def test_edges_that_slip_and_laws_that_never_stick_miss_nothing():
-    assert missed_slip(sf.solve(pushed(3.0), end_time=1.0, nodes=512, times=[1.0])) == (0.0, 0.0)
-    assert missed_slip(
-        sf.solve(scene_along(SOLID, sf.Coulomb(0.5), 8.0), end_time=0.5, nodes=64)
-    ) == (
-        0.0,
-        0.0,
-    )
+    slips = sf.solve(pushed(3.0), end_time=1.0, nodes=512, times=[1.0])
+    whole = sf.solve(scene_along(SOLID, sf.Coulomb(0.5), 8.0), end_time=0.5, nodes=64)
+    assert EdgeNodes(slips).missed_slip == EdgeNodes(whole).missed_slip == (0.0, 0.0)
 
 
 def patch(even):

@@ -241,7 +241,7 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
             lambda: slipfront.read_gauges(["a.csv"], noise=5e-8),
             "read_gauges: noise must be a mapping",
         ),
-        (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise knows"),
+        (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise takes"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
         (lambda: unit_scene(lower_material="steel"), "scene: lower_material must be a Material"),
         (lambda: unit_scene(step=3), "no parameter 'step'; it has material, friction, base, load"),

@@ -222,7 +222,7 @@ def test_functions_of_a_scene_take_its_name_or_file(steel):
 def test_named_scenes_are_solved_by_name():
     assert sf.solve("preloaded").zones == sf.solve(sf.find("preloaded")).zones
     assert sf.solve("ramp", method="space-time", end_time=0.5, nodes=32).error_estimate > 0
-    with pytest.raises(sf.SceneError, match="whole-line-patch: this knows scenes with a slot"):
+    with pytest.raises(sf.SceneError, match="whole-line-patch: this takes only scenes with a slot"):
         sf.sweep("whole-line-patch", [0.3])
 
 

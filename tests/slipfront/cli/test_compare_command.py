@@ -11,7 +11,7 @@ import pytest
 
 import compare.comparison.prediction
 from compare.comparison.judgement import Judgement
-from compare.comparison.rows import Row
+from compare.comparison.rows import UNLIKE, Row
 from slipfront.cli.commands import main
 from slipfront.cli.terminal import print_judgement, verdict_lines
 from tests.slipfront.cli.test_cli import unconverged
@@ -79,12 +79,11 @@ def test_the_verdict_says_first_what_is_quoted_of_a_comparison():
     assert next(verdict_lines(judgement(worse, *ROWS[1:]))).startswith("Verdict: differs (")
 
 
-def test_meshes_that_are_not_alike_are_named():
+def test_meshes_that_are_not_alike_leave_a_comparison_unresolved():
     """A coarse mesh that is wrong by itself widens the bars of the others."""
-    rows = (replace(ROWS[0], order=5.0), *ROWS[1:])
-    assert list(verdict_lines(judgement(*rows)))[2:] == [
-        "The meshes are not alike, which widens bars: slip, L1 (order 5.0)."
-    ]
+    unlike = Row("coarser runs against this one", "law", None, 0.0, 2.0, 2.0, 1.0, obstacle=UNLIKE)
+    assert judgement(*ROWS).verdict == "agrees"
+    assert judgement(*ROWS, unlike).verdict == "unresolved"
 
 
 def test_rows_that_agree_are_printed_on_demand(capsys):

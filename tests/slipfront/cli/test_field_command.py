@@ -90,3 +90,15 @@ def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch, shown
     monkeypatch.setattr("compare.output.field_files.write_frames", interrupt)
     shown("field preloaded --points 4 --vtu --output .", 130)
     assert [path.name for path in tmp_path.iterdir()] == ["preloaded_speed.png"]
+
+
+def test_gauges_of_a_march_along_a_line_record_what_its_answer_says(tmp_path, undrawn, shown):
+    asked = "--time 2 --nodes 400 --points 8 --samples 5 --gauge 4,3 --gauge=-1,-2.5 --output ."
+    shown(f"field supershear {asked} --quiet", 4)  # 400 nodes do not resolve it
+    run = solve(find("supershear"), end_time=2.0, nodes=400)
+    for number, at in ((1, (4.0, 3.0)), (2, (-1.0, -2.5))):
+        lines = (tmp_path / f"supershear_gauge-{number}.csv").read_text().splitlines()
+        last = dict(zip(lines[1].split(","), map(float, lines[-1].split(",")), strict=True))
+        assert last["v_x [length/time]"] == pytest.approx(run.velocity(*at, 2.0)[0])
+        assert last["eps_xy [1]"] == pytest.approx(run.strain(*at, 2.0)[2])
+    assert "scenes with a slot alone" in shown("field whole-line-patch --points 4", 2).err

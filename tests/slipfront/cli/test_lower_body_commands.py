@@ -84,7 +84,7 @@ def test_a_file_of_two_bodies_is_solved(shown, printed, monkeypatch):
     assert document["units"]["wave_speeds"] == "length/time"
     monkeypatch.setattr(solve_command, "solve", lambda pair, **_: known)
     said = shown(line).out
-    for words in ("open", "c_R, c_t, c_l, lower body", "forward slip comes", "converged"):
+    for words in ("open", "c_R, c_t, c_l, lower body", "forward slip begins", "converged"):
         assert words in said
     assert sf.find("two.toml") == PAIR
 

@@ -153,7 +153,7 @@ def test_a_method_of_a_package_is_asked_after_ours(installed, printed):
     assert sf.solve({"weight": 2.0}) == 1.0
     assert sf.solve({"weight": 2.0}, method="rigid", friction=0.1) == 0.2
     assert isinstance(sf.solve("preloaded"), sf.Solution)
-    with pytest.raises(sf.SceneError, match="force is no setting of rigid for a dict, which knows"):
+    with pytest.raises(sf.SceneError, match="force is no setting of rigid for a dict, which takes"):
         sf.solve({"weight": 2.0}, force=1.0)
     with pytest.raises(sf.SceneError, match=r"rigid: it takes blocks alone\."):
         sf.solve(None)

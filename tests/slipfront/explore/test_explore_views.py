@@ -51,7 +51,7 @@ def test_sliders_reach_their_own_scene(name):
         ("?poisson_ratio=0.7", "0.5"),
         ("?lower_body=another&modulus_ratio=0", "shear_modulus must be positive"),
         ("?lower_body=another&density_ratio=1e9", "must not differ by more than a factor"),
-        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver knows"),
+        ("?lower_body=another&mode=antiplane", "between different bodies the exact solver takes"),
     ],
 )
 def test_an_address_that_is_no_scene_is_refused(query, words):

@@ -337,7 +337,7 @@ def test_the_first_front_of_a_base_at_friction_leaves_at_once():
     pressed = solve(unit_scene(0.5, (1.0, 0.5), (0.6, 1.0)))
     assert pressed.derivative("friction").zones[-1].outer == 0
     antiplane = solve(unit_scene(0.5, (1.0, 0.5), (0.0, 1.0), mode="antiplane"))
-    with pytest.raises(SceneError, match="the base is at friction, and out of the plane"):
+    with pytest.raises(SceneError, match="the base is at friction, and in antiplane"):
         antiplane.derivative("friction")
 
 

@@ -20,7 +20,7 @@ STEEL = [
 def test_points_are_answered_in_the_units_asked_for(shown, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     text = " ".join(shown([*STEEL, "--t", "30us,0.04ms"]).out.split())
-    assert re.search(r"x = 5 cm .*forward slip comes .*14\.1605\d+ .*us", text)
+    assert re.search(r"x = 5 cm .*forward slip begins .*14\.1605\d+ .*us", text)
     assert re.search(r"t = 30 us .* slip .* 9\.829\d+e-07 .* m ", text)
     assert "t = 0.04 ms" in text
 

@@ -1,0 +1,166 @@
+"""What a grid does not know beside the edges of contacts: singular fields, slip and gaps below it.
+
+All of it is read off the first nodes, by what a crack tip is on a grid (`dissimilar.grid_edge`).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.dissimilar.grid_edge import edge_factors, zone_beside_edge
+from semianalytic.engine.result import Run
+from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERROR
+from semianalytic.scene.line.fields import at_nodes
+
+Array = NDArray[np.float64]
+
+
+def film_error(first: Array, second: Array, slope: Any, impedance: float) -> Array:
+    """Return the error of slip or its rate beside edges under a film, over the node distance.
+
+    Farther from an edge than mu t / viscosity a film is all but stuck: its slip rate follows the
+    singular traction of a contact that sticks, of which the first two nodes have a known ratio.
+
+    Parameters
+    ----------
+    first, second : arrays
+        Values of the first node and of the one behind it.
+    slope : array or float
+        Traction of the film over its slip rate [stress time / length].
+    impedance : float
+        The same of plane waves, which bear the rest.
+    """
+    offset, of_contact, _ = edge_factors(0.0)
+    ratio = np.sqrt(offset / (1 + offset)) * (of_contact[1] / of_contact[0]).real
+    singular = np.clip((np.abs(first) - np.abs(second)) / (1 - ratio), 0.0, np.abs(first))
+    return np.asarray(FILM_EDGE_ERROR * slope / (slope + impedance) * singular)
+
+
+def hidden_openings(
+    pressure: Array, left: Array, shear: Array, spacing: float, compliance: float
+) -> tuple[Array, Array]:
+    """Return the areas of openings that no node shows, and the forces of which they relieve slip.
+
+    A singular tension opens an edge as far as the pressure that is left there lets it, like slip
+    against its strength [length^2, stress length].  Of the slip that a force at an edge causes half
+    is on the slot: half the force is returned.
+
+    Parameters
+    ----------
+    pressure, shear : arrays
+        Tractions of the first node [stress].
+    left : array
+        Pressure without the singular part [stress].
+    spacing, compliance : float
+        As in `zone_beside_edge`.
+    """
+    closed = (pressure > 0) & (pressure < left)
+    lengths, areas = zone_beside_edge(left - pressure, left, closed, spacing, compliance)
+    return areas, lengths / 2 * np.abs(shear) * left / np.where(closed, pressure, 1.0)
+
+
+class EdgeNodes:
+    """The e first nodes of the contacts of a run beside slots.
+
+    Parameters
+    ----------
+    done : Run
+        The run, on m frames.
+    """
+
+    def __init__(self, done: Run) -> None:
+        self._done, known = done, done.interface
+        self._on, self._spacing = known.touching, done.scene.period / done.nodes
+        left, right = np.roll(self._on, 1), np.roll(self._on, -1)
+        if done.scene.even:
+            left[0] = right[-1] = True  # mirror images of themselves
+        self._first = np.flatnonzero(self._on & ~(left & right))
+        inward = np.where(left[self._first], -1, 1 * right[self._first])
+        self._second = (self._first + inward) % len(self._on)
+        self._place = np.searchsorted(np.flatnonzero(self._on), self._first)
+        self._law_x = known.x[self._on]
+        self._law = done.scene.law.on(self._law_x, self._spacing)
+        self._shear, self._pressure = (
+            at_nodes(name, getattr(done.scene.base, name), known.x, self._on, self._spacing)[
+                self._first
+            ]
+            for name in ("shear", "pressure")
+        )
+
+    def _at(self, name: str) -> Array:
+        """Return a field there, (m, e)."""
+        return np.asarray(getattr(self._done.interface, name)[:, self._first])
+
+    @cached_property
+    def _slips(self) -> NDArray[np.bool_]:
+        return self._at("slip_rate") != 0
+
+    @cached_property
+    def wrong(self) -> dict[str, float]:
+        """Errors of fields there, summed over edges and frames.
+
+        Where they are singular, nodes are off there by the same part on any grid, of which the
+        difference of two grids shows little (`BESIDE_EDGE_ERROR`).
+        """
+        known, shear = self._done.interface, self._at("shear_traction")
+        pressure = self._at("pressure")
+        off = np.abs(pressure - self._pressure)
+        # Where it slips, traction follows pressure.
+        ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
+        stuck = np.abs(shear - self._shear)
+        found = {"pressure": off, "shear_traction": np.where(self._slips, ratio * off, stuck)}
+        found = {name: BESIDE_EDGE_ERROR * one for name, one in found.items()}
+        slope = self._law.steady_slope()
+        if slope is not None:
+            slope = np.broadcast_to(slope, len(self._law_x))[self._place]
+            for name in ("slip", "slip_rate", "shear_traction"):
+                first, second = self._at(name), getattr(known, name)[:, self._second]
+                more = film_error(first, second, slope, self._done.scene.impedance)
+                found[name] = found.get(name, 0.0) + more
+        return {name: float(one.sum()) for name, one in found.items()}
+
+    @cached_property
+    def missed_slip(self) -> tuple[float, float]:
+        """The longest slip beside edges whose first node sticks, and the areas of all, added up.
+
+        The first node may stick on any grid that is too coarse, and slip that is zero on two grids
+        does not differ.
+        """
+        scene, known = self._done.scene, self._done.interface
+        if not scene.law.has_threshold or not len(self._first):
+            return 0.0, 0.0
+        still = np.zeros(len(self._law_x))
+        frames = zip(known.felt_pressure[:, self._on], known.state[:, self._on], strict=True)
+        strength = [self._law.strength(p, still, state)[self._place] for p, state in frames]
+        change = self._at("shear_traction") - self._shear
+        room = np.array(strength) - np.sign(change) * self._shear
+        sticks = (self._at("slip") == 0) & (room > 0) & (self._at("gap") <= 0)
+        lengths, areas = zone_beside_edge(
+            np.abs(change), room, sticks, self._spacing, self._compliance(scene.mode != "antiplane")
+        )
+        return float(lengths.max(initial=0.0)), float(areas.sum())
+
+    @cached_property
+    def missed_opening(self) -> tuple[float, float]:
+        """The areas of `hidden_openings`, added up, and their forces over what drives slip."""
+        known, shear, pressure = (
+            self._done.interface,
+            self._at("shear_traction"),
+            self._at("pressure"),
+        )
+        left, size = np.broadcast_to(self._pressure, pressure.shape), self._spacing
+        areas, forces = hidden_openings(pressure, left, shear, size, self._compliance(True))
+        base = at_nodes("shear", self._done.scene.base.shear, known.x, self._on, size)
+        driving = size * float(np.abs(known.shear_traction - base)[:, self._on].sum())
+        force = float(forces[self._slips].sum())
+        return float(areas.sum()), force / (force + driving) if force else 0.0
+
+    def _compliance(self, in_plane: bool) -> float:
+        """Return the mean of (1 - nu) / mu of both bodies, or of 1 / mu [1 / stress]."""
+        scene = self._done.scene
+        bodies = (scene.material, scene.lower_material or scene.material)
+        return sum((1 - in_plane * one.poisson_ratio) / one.shear_modulus for one in bodies) / 2

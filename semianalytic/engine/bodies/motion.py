@@ -1,0 +1,223 @@
+"""How the faces of a line move against each other: the record of a march, and its transform."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Single = NDArray[np.float32]
+
+MOST_VALUES = 1 << 24
+"""Largest number of mean rates that a record keeps; they take 4 bytes each."""
+FALL = 1e-9
+"""What exp(-eta t) falls to over the window of a transform."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Mean rates of slip and opening at the nodes of a line between times.
+
+    Their products with the times between are the slip and opening that have come, whichever steps
+    were joined; rates at single times would miss jumps of loads.
+
+    Attributes
+    ----------
+    t : (m + 1,) array
+        Times [time].
+    slip : (m, n) array of single precision
+        Mean slip rate from one time to the next [length / time].
+    opening : (m, n) array of single precision
+        Mean opening rate; (m, 0) where nothing opens.
+    """
+
+    t: Array
+    slip: Single
+    opening: Single
+
+
+class MotionRecord:
+    """Mean rates of all steps, which are joined where they are too many."""
+
+    def __init__(self, begin: float = 0.0) -> None:
+        self._every, self._t = 1, [begin]
+        self._steps = list[int]()  # of each row
+        self._rows = list[list[Single]]()  # of slip, and of opening if there is any, in parts
+
+    def add(self, times: Sequence[float], *rates: Array) -> None:
+        """Add steps.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        *rates : (k + 1, n) arrays
+            Slip rates at these, and opening rates if the line may open [length / time].
+        """
+        self._rows = self._rows or [[] for _ in rates]
+        for rows, one in zip(self._rows, rates, strict=True):
+            rows.append(((one[:-1] + one[1:]) * 0.5).astype(np.float32))
+        self._t += times[1:]
+        self._steps += [1] * (len(times) - 1)
+        width = sum(one.shape[1] for one in rates)
+        if len(self._steps) * width > MOST_VALUES:
+            if sum(self._steps) / self._every * width > MOST_VALUES / 2:
+                self._every *= 2
+            self._join()
+
+    def _join(self) -> None:
+        """Join rows, so that each has the mean rates of so many steps."""
+        ends, t = np.cumsum(self._steps), np.array(self._t)
+        _, starts = np.unique((ends - 1) // self._every, return_index=True)
+        lengths = np.diff(t).astype(np.float32)[:, None]
+        whole = np.add.reduceat(lengths, starts)
+        for rows in self._rows:
+            moved = np.add.reduceat(np.concatenate(rows) * lengths, starts)
+            rows[:] = [np.asarray(moved / whole, np.float32)]
+        self._t = [*t[starts].tolist(), self._t[-1]]
+        self._steps = np.add.reduceat(self._steps, starts).tolist()
+
+    def motion(self) -> Motion:
+        """Return the record until the last step."""
+        if not self._steps:
+            return Motion(np.array(self._t), *[np.zeros((0, 0), np.float32)] * 2)
+        if self._every > 1:
+            self._join()
+        slip, *opening = (np.concatenate(rows) for rows in self._rows)
+        nothing = np.zeros((len(slip), 0), np.float32)
+        return Motion(np.array(self._t), slip, opening[0] if opening else nothing)
+
+    def go_on(self, earlier: Motion, time: float, steps: int) -> None:
+        """Continue the record of an earlier march from a time, until which it took `steps`."""
+        ends = np.minimum(earlier.t[1:], time)
+        count = int((earlier.t[:-1] < time).sum())
+        self._t = [*earlier.t[:1].tolist(), *ends[:count].tolist()]
+        kept = [one for one in (earlier.slip, earlier.opening) if one.shape[1]]
+        self._rows = [[one[:count]] for one in kept]
+        self._every = 2 ** round(math.log2(max(steps / max(count, 1), 1)))
+        self._steps = [self._every] * count
+        if count:
+            self._steps[-1] = max(steps - self._every * (count - 1), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Evenly spaced times of a transform, and the window that lets it end.
+
+    Attributes
+    ----------
+    start, step : float
+        First time and spacing [time].
+    count : int
+        Number of intervals.
+    """
+
+    start: float
+    step: float
+    count: int
+
+    @cached_property
+    def size(self) -> int:
+        """Number of times after which the transform repeats itself."""
+        from scipy.fft import next_fast_len  # here, for `import semianalytic` is to be quick
+
+        return int(next_fast_len(max(3 * self.count // 2, self.count + 2 * self.fading), real=True))
+
+    @property
+    def fading(self) -> int:
+        """Number of times on which rates fade out: many, for some belong to the last level."""
+        return max(self.count // 4, 40)
+
+    @property
+    def fall(self) -> float:
+        """The rate eta of the window exp(-eta t) [1 / time]."""
+        return math.log(1 / FALL) / (self.size * self.step)
+
+    @cached_property
+    def frequencies(self) -> Complex:
+        """Frequencies s = eta + i omega, omega >= 0, (size // 2 + 1,) [1 / time]."""
+        omega = 2 * np.pi / (self.size * self.step) * np.arange(self.size // 2 + 1)
+        return np.asarray(self.fall + 1j * omega)
+
+    def means(self, t: Array, rates: Any) -> Array:
+        """Return mean rates (count, n) between these times, given those between others.
+
+        What has moved until a time is interpolated by cubic polynomials through the times given.
+        """
+        at: Array = np.asarray(self.start + self.step * np.arange(self.count + 1))
+        # where steps are even, levels are those of the march
+        most = min(len(at), len(t))
+        apart = np.abs(at[:most] - t[:most]) > 1e-9 * self.step
+        alike = (int(np.argmax(apart)) if apart.any() else most) - 1
+        before = max(alike - 2, 0)
+        found = np.empty((self.count, rates.shape[1]))
+        found[:alike] = rates[:alike]
+        if alike < self.count:
+            found[alike:] = _resampled(t[before:], rates[before:], at[alike:]) / self.step
+        return found
+
+    def lines(self, means: Array) -> Complex:
+        """Return transforms along x of mean rates (count, n), fallen and faded, (q, size)."""
+        from scipy.fft import rfft
+
+        fading = self.fading
+        beyond = np.arange(1, fading + 1)
+        # a point reflection about the last value goes on smoothly, while the cosine fades it out
+        fade = np.square(np.cos(np.pi / 2 * beyond / (fading + 1)))[:, None]
+        after = fade * (2 * means[-1] - means[np.maximum(self.count - 1 - beyond, 0)])
+        nodes, middles = means.shape[1], self.step * (np.arange(self.count + fading) + 0.5)
+        falls = (self.step / nodes * np.exp(-self.fall * middles))[:, None]
+        lines = np.zeros((nodes // 2 + 1, self.size), dtype=complex)
+        lines[:, : self.count] = rfft(means * falls[: self.count]).T
+        lines[:, self.count : self.count + fading] = rfft(after * falls[self.count :]).T
+        return lines
+
+    @cached_property
+    def _factor(self) -> Complex:
+        """What makes rates at times of means between them, tapered, (frequencies,)."""
+        s = self.frequencies
+        # Rates between times stand at their middles, half a step later; a mean over a step is less
+        # than the rate there by sinh(z) / z.
+        z = s * self.step / 2
+        # Sharp ends ring, and the window makes what rings before its cause a million times larger.
+        taper = np.exp(-36.0 * (s.imag / s.imag[-1]) ** 8)
+        return np.asarray(np.exp(-1j * z.imag) * z / np.sinh(z) * taper)
+
+    def transformed(self, lines: Complex) -> tuple[Complex, Complex]:
+        """Return the amplitudes of exp(s t + i q x) and exp(s t - i q x) of some `lines`."""
+        from scipy.fft import fft
+
+        half = self.size // 2 + 1
+        every = fft(lines, axis=1)
+        return every[:, :half] * self._factor, every[:, -np.arange(half)].conj() * self._factor
+
+
+def _resampled(t: Array, rates: Any, at: Array) -> Array:
+    """Return what moves between times `at` (k,), (k - 1, n), given mean rates between times t.
+
+    What has moved until a time is interpolated by cubic polynomials, and goes on beyond the last.
+    """
+    lengths = np.diff(t)[:, None]
+    beyond, at = np.maximum(at - t[-1], 0.0)[:, None], np.minimum(at, t[-1])
+    moved = np.zeros((len(t), rates.shape[1]))
+    np.cumsum(lengths * rates, axis=0, out=moved[1:])
+    slopes = np.empty_like(moved)
+    slopes[1:-1] = (lengths[1:] * rates[:-1] + lengths[:-1] * rates[1:]) / (
+        lengths[1:] + lengths[:-1]
+    )
+    slopes[0], slopes[-1] = rates[0], rates[-1]
+    row = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    share = ((at - t[row]) / lengths[row, 0])[:, None]
+    bend = share * (1 - share) * lengths[row]
+    found = moved[row] + share * lengths[row] * rates[row]
+    found += bend * (1 - share) * (slopes[row] - rates[row])
+    found -= bend * share * (slopes[row + 1] - rates[row])
+    found += beyond * rates[-1]
+    return np.asarray(np.diff(found, axis=0))

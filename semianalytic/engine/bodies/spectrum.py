@@ -1,0 +1,306 @@
+"""Fields in a body as sums of waves over wavenumbers and frequencies (`transfer`)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.engine.bodies.motion import Levels
+from semianalytic.engine.bodies.transfer import decays, potentials, shares
+from semianalytic.scene.scene import Material
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Asked = Literal["velocity", "displacement", "strain"]
+
+BLOCK = 1 << 16
+"""Pairs of wavenumber and frequency that are formed at once, to stay in the cache."""
+FALLEN = 35.0
+"""Waves that have fallen by more than exp of this do not count."""
+DEPTHS, DEGREE = 400, 5
+"""Depths of a picture beyond which it is interpolated between them, and the degree of that."""
+
+
+class Term(NamedTuple):
+    """A part of a field, coefficient s^power (i q)^turns decay^falls, of a wave of `transfer`."""
+
+    wave: str
+    coefficient: float
+    turns: int
+    falls: int
+    power: int
+
+    def factor(self, q: Array, decay: Complex, s: Complex) -> Complex | float:
+        """Return decay^falls s^power."""
+        one: Complex | float = decay if self.falls else 1.0
+        return one * s**self.power if self.power else one
+
+
+def terms_of(asked: Asked, body: Material) -> list[list[Term]]:
+    """Return the rows of a field as sums of terms: x, y, z, or xx, yy, xy, xz, yz of the tensor."""
+    if asked != "strain":
+        power = -1 if asked == "displacement" else 0
+        return [
+            [Term("P", 1.0, 1, 0, power), Term("S", 1.0, 0, 1, power)],
+            [Term("P", -1.0, 0, 1, power), Term("S", 1.0, 1, 0, power)],
+            [Term("Z", 1.0, 0, 0, power)],
+        ]
+    p, s = (speed**-2 for speed in (body.longitudinal_speed, body.shear_speed))
+    along = [Term("P", 1.0, 2, 0, -1), Term("S", 1.0, 1, 1, -1)]
+    return [
+        along,
+        [Term("P", p, 0, 0, 1), *(one._replace(coefficient=-1.0) for one in along)],
+        [Term("P", -1.0, 1, 1, -1), Term("S", 1.0, 2, 0, -1), Term("S", -s / 2, 0, 0, 1)],
+        [Term("Z", 0.5, 1, 0, -1)],
+        [Term("Z", -0.5, 0, 1, -1)],
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Amplitudes of the waves that the face of a body sends, seen as if it lay above.
+
+    Attributes
+    ----------
+    levels : Levels
+        Times of the transform.
+    body : Material
+    q : (n,) array
+        Wavenumbers [1 / length]; the first is 0, or that of the stiffness that holds the mean.
+    waves : mapping of (2, n, frequencies) arrays
+        Phi as "P" and Psi as "S", v_z on the face as "Z": at wavenumbers q and at -q.  The latter
+        are left out, (1, n, frequencies), where `signs` say what they are.
+    origin : float
+        Position at which phases are 0 [length].
+    signs : mapping
+        Amplitudes at -q over those at q, where the line is even about its origin.
+    """
+
+    levels: Levels
+    body: Material
+    q: Array
+    waves: Mapping[str, Complex]
+    origin: float
+    signs: Mapping[str, float]
+
+    @classmethod
+    def of(
+        cls,
+        levels: Levels,
+        bodies: tuple[Material, ...],
+        lower: bool,
+        first: float,
+        spacing: float,
+        rates: Mapping[str, Array],
+        held: float = 0.0,
+        centre: float | None = None,
+    ) -> Spectrum:
+        """Make the spectrum of one body.
+
+        Parameters
+        ----------
+        levels : Levels
+        bodies : one or two Material
+        lower : bool
+            Whether it is that of the lower body.
+        first, spacing : float
+            Position of the first node, and node distance [length].
+        rates : mapping of (count, nodes) arrays
+            Mean slip rates "x" or "z" and opening rates "y" between the levels [length / time].
+        held : float
+            Wavenumber of the stiffness that the mean meets [1 / length].
+        centre : float, optional
+            Position about which the line is even [length].
+        """
+        origin, signs = centre or 0.0, dict[str, float]()
+        nodes = next(iter(rates.values())).shape[1]
+        k = 2 * np.pi / (nodes * spacing) * np.arange(nodes // 2)
+        q = k.copy()
+        q[0] = held
+        # A taper, without which the sum would end abruptly and ring.
+        placed = (np.exp(-7.0 * (k * spacing / np.pi) ** 8) * np.exp(-1j * k * (first - origin)))[
+            :, None
+        ]
+        placed[0] /= 2  # the mean is counted at q and at -q
+        s, block = levels.frequencies, max(1, BLOCK // levels.size)
+        names = "Z" * ("z" in rates) + "PS" * bool(rates.keys() - {"z"})
+        even = centre is not None and len(rates) == 1
+        waves = {name: np.zeros((2 - even, len(k), len(s)), dtype=complex) for name in names}
+        for name, means in rates.items():
+            lines = levels.lines(means)[: len(k)]
+            # what contains i q changes its sign with q
+            odd = {"P": -1.0 if name == "x" else 1.0, "S": 1.0 if name == "x" else -1.0, "Z": 1.0}
+            signs = odd if even else signs
+            for start in range(0, len(k), block):
+                part = slice(start, start + block)
+                ahead, back = levels.transformed(lines[part])
+                sides = [ahead * placed[part], back * placed[part].conj()][: 2 - even]
+                if name == "z":
+                    drives = [shares(bodies, lower, q[part, None], s)]
+                else:
+                    drives = list(potentials(bodies, lower, q[part, None], s)[name == "y"])
+                for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
+                    waves[wave][0, part] += drive * sides[0]
+                    if not even:
+                        waves[wave][1, part] += odd[wave] * drive * sides[1]
+        return cls(levels, bodies[lower and len(bodies) - 1], q, waves, origin, signs)
+
+    @cached_property
+    def _k(self) -> Array:
+        """Wavenumbers of the phases along x, of which the first is 0, (n,) [1 / length]."""
+        return np.concatenate([[0.0], self.q[1:]])
+
+    def _terms(self, asked: Asked) -> list[list[Term]]:
+        rows = terms_of(asked, self.body)
+        return [[term for term in row if term.wave in self.waves] for row in rows]
+
+    def _first(self, q: float, depth: float) -> int:
+        """Return the first frequency whose waves count at a wavenumber and a depth."""
+        if q * depth <= FALLEN:
+            return 0
+        omega = self.body.shear_speed * math.sqrt(q * q - (FALLEN / depth) ** 2)
+        return int(omega / self.levels.frequencies[1].imag)
+
+    def histories(self, asked: Asked, x: Array, depth: float) -> Array:
+        """Return a field at all levels of the transform, (rows, points, count + 1).
+
+        Parameters
+        ----------
+        asked : {"velocity", "displacement", "strain"}
+        x : (points,) array
+        depth : float
+            Distance from the face [length].
+        """
+        from scipy.fft import irfft  # here, for `import semianalytic` is to be quick
+
+        s, rows, levels = self.levels.frequencies, self._terms(asked), self.levels
+        # sums over wavenumbers, before the powers of s
+        sums = {
+            (one.wave, one.turns, one.falls): np.zeros((len(x), len(s)), dtype=complex)
+            for row in rows
+            for one in row
+        }
+        block = max(1, BLOCK // len(s))
+        for start in range(0, len(self.q), block):
+            part = slice(start, start + block)
+            seen = slice(self._first(self.q[start], depth), None)
+            roots = decays(self.body, self.q[part, None], s[seen])
+            phase = np.exp(1j * np.multiply.outer(x - self.origin, self._k[part]))
+            for wave, amplitudes in self.waves.items():
+                decay = roots[wave != "P"]
+                fall = np.exp(-depth * decay)
+                for side, sent in enumerate(amplitudes[:, part, seen] * fall):
+                    falling = decay * sent
+                    for (name, turns, falls), total in sums.items():
+                        if name == wave:
+                            along = phase * (1j * self.q[part]) ** turns
+                            if side:
+                                along = along.conj()
+                            elif self.signs:
+                                along = along + self.signs[wave] * along.conj()
+                            total[:, seen] += along @ (falling if falls else sent)
+        found = np.zeros((len(rows), len(x), len(s)), dtype=complex)
+        for row, terms in zip(found, rows, strict=True):
+            for one in terms:
+                row += one.coefficient * s**one.power * sums[one.wave, one.turns, one.falls]
+        t = levels.step * np.arange(levels.count + 1)
+        values = irfft(found, levels.size, axis=-1)[..., : len(t)]
+        return np.asarray(values * (np.exp(levels.fall * t) / levels.step))
+
+    def picture(self, asked: Asked, x: Array, depths: Array, time: float) -> Array:
+        """Return a field at points (p,) at one time, (rows, p); `depths` are as of `histories`."""
+        # rows on both sides of the interface are equally deep, but for rounding
+        keys = np.rint(depths / (1e-9 * depths.max(initial=1e-300)))
+        _, chosen, place = np.unique(keys, return_index=True, return_inverse=True)
+        levels, place, weight = depths[chosen], place[:, None], np.ones((len(depths), 1))
+        if len(levels) > DEPTHS:
+            levels = np.linspace(levels[0], levels[-1], DEPTHS)
+            place, weight = between((depths - levels[0]) / (levels[1] - levels[0]), DEPTHS, DEGREE)
+        amplitudes = self._amplitudes(asked, levels, time - self.levels.start)
+        at, which = np.unique(x, return_inverse=True)
+        shared = len(at) <= 4 * len(levels)  # points of a picture that lie above one another
+        phases = np.exp(1j * np.multiply.outer((at if shared else x) - self.origin, self._k))
+        found = np.zeros((amplitudes.shape[1], len(x)))
+        order = np.argsort(place[:, 0], kind="stable")
+        ends = np.searchsorted(place[order, 0], np.arange(len(levels) + 1))
+        for first, (begin, end) in enumerate(pairwise(ends.tolist())):
+            here = order[begin:end]
+            along = phases[which[here] if shared else here]
+            for step in range(weight.shape[1] if len(here) else 0):
+                values = (along @ amplitudes[first + step].T).real
+                found[:, here] += weight[here, step] * values.T
+        return found
+
+    def _amplitudes(self, asked: Asked, depths: Array, time: float) -> Complex:
+        """Return amplitudes of exp(i q x), whose real parts add up, (depths, rows, wavenumbers)."""
+        rows, s = self._terms(asked), self.levels.frequencies
+        wave = np.exp(s * time) * (2 / (self.levels.size * self.levels.step))
+        wave[0] /= 2
+        found = np.zeros((len(depths), len(rows), len(self.q)), dtype=complex)
+        terms = [(place, one) for place, row in enumerate(rows) for one in row]
+        for index, q in enumerate(self.q):
+            counts = slice(self._first(q, depths[0]), None)
+            roots = decays(self.body, q, s[counts])
+            for name, amplitudes in self.waves.items():
+                own = [one for one in terms if one[1].wave == name]
+                decay, sent = roots[name != "P"], amplitudes[:, index, counts] * wave[counts]
+                factors = [one.factor(q, decay, s[counts]) for _, one in own]
+                sums = laid_down(
+                    depths, decay, np.concatenate([factor * sent for factor in factors])
+                ).reshape(len(depths), len(own), len(sent))
+                for column, (row, one) in enumerate(own):
+                    turned = (1j * q) ** one.turns * one.coefficient
+                    ahead, back = sums[:, column, 0], sums[:, column, -1]
+                    if self.signs:
+                        back = self.signs[name] * back
+                    # the real part of a wave at -q is that of its conjugate at q
+                    found[:, row, index] += turned * (ahead + back.conj())
+        return found
+
+
+def laid_down(depths: Array, decay: Complex, sent: Complex) -> Complex:
+    """Return the sums over frequencies at depths (d,) of waves (k, m) that fall off, (d, k).
+
+    For many evenly spaced depths about sqrt(d) exponentials are formed from one.
+    """
+    count, step = math.isqrt(len(depths)), depths[-1] - depths[0]
+    even = depths[0] + step * np.linspace(0.0, 1.0, len(depths))
+    if count < 4 or np.abs(depths - even).max() > 1e-8 * step:
+        return np.asarray(np.exp(-np.multiply.outer(depths, decay)) @ sent.T)
+    powers, once = np.ones((count, len(decay)), complex), np.exp(-step / (len(depths) - 1) * decay)
+    for before, after in pairwise(powers):
+        np.multiply(before, once, out=after)
+    found = np.empty((len(depths), len(sent)), complex)
+    sent, leap = sent * np.exp(-depths[0] * decay), once * powers[-1]
+    for start in range(0, len(depths), count):
+        part = found[start : start + count]
+        part[:] = (powers @ sent.T)[: len(part)]
+        sent *= leap
+    return found
+
+
+def between(at: Array, count: int, degree: int) -> tuple[NDArray[np.intp], Array]:
+    """Return indices of evenly spaced samples around places, and their Lagrange weights.
+
+    Parameters
+    ----------
+    at : (n,) array
+        Places in units of the spacing, 0 at the first of `count` samples.
+    count, degree : int
+        Number of samples, and degree of the polynomial.
+    """
+    order = np.arange(degree + 1)
+    first = np.clip(at.astype(int) - degree // 2, 0, count - len(order))
+    offset = (at - first)[:, None] - order
+    weight = np.ones(offset.shape)
+    for one in order:
+        others = order != one
+        weight[:, one] = np.prod(offset[:, others] / (one - order[others]), axis=1)
+    return first[:, None] + order, weight
