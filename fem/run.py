@@ -34,7 +34,7 @@ FIRST_JUDGED = 4
 
 @of_scene
 def simulate(
-    scene: Scene | str | PathLike[str],
+    scene: Scene | str | PathLike[str] | Any,
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -55,8 +55,10 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str or path
-        Materials, friction law, tractions and load histories, or a name or file as for `find`.
+    scene : Scene, Specimen, str or path
+        Materials, friction law, tractions and load histories, or a name or file as for `find`.  Of
+        a specimen, end_time and the options of `fem.lines.specimen.simulate_specimen`, of which
+        `size` is needed, are taken.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -86,7 +88,7 @@ def simulate(
 
     Returns
     -------
-    Simulation
+    Simulation, or LineSimulation of a specimen
 
     Raises
     ------
@@ -116,6 +118,9 @@ def simulate(
     >>> round(float(run.max_slip(1.0)), 2)  # 0.83 in the limit of fine meshes
     0.58
     """
+    if hasattr(scene, "simulated"):  # a specimen, whose module builds on this package
+        simulation: Simulation = scene.simulated(end_time, progress=progress, **options)
+        return simulation
     plan = make_plan(scene, end_time, settings, options, full=snapshots is not None)
     pace = Pace(checkpoint_every, checkpoint_seconds)
     if resume and checkpoint is None:

@@ -266,7 +266,15 @@ ALONG_LINE = {
         "result.py",
         "steps.py",
     ),
-    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py"),
+    *(
+        "case.py",
+        "comparing.py",
+        "along.py",
+        "on_line.py",
+        "documents.py",
+        "data.py",
+        "specimen.py",
+    ),
 }
 """Files of scenes on a line, whose loads act beside the base."""
 

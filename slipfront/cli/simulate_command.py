@@ -18,13 +18,13 @@ from compare.output.places import save_somewhere, working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Scene
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from slipfront.cli import options, terminal
 
 if TYPE_CHECKING:
-    from fem import Simulation
+    from fem import Simulation, Specimen
     from fem.budget import Cost
 
 Progress = Callable[[int, int], None]
@@ -68,6 +68,18 @@ def simulate_command(
     removes its checkpoint.  The lower block may be of another material.
     """
     require("slipfront simulate", *FEM)
+    from fem.lines.plates import find_specimen
+
+    found = find_specimen(scene_name)
+    if found is not None:
+        if overrides or lower or as_json:
+            raise SceneError(
+                "simulate: a specimen takes no options of scenes, and has no --json; change its "
+                "file, and read specimen.h5 with slipfront.load."
+            )
+        given = {"end_time", "damping", "step_ratio"} & settings.keys()
+        simulate_plates(*found, {name: settings[name] for name in given}, scene_name, output, quiet)
+        return
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, {**overrides, **lower})
     scene = override_scene(find_scene(scene_name), **overrides, **lower)
@@ -86,6 +98,38 @@ def simulate_command(
     if as_json:
         terminal.print_json("simulate", simulation_document(simulation), files=files)
         return
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def simulate_plates(
+    specimen: Specimen,
+    run: Mapping[str, Any],
+    given: Mapping[str, Any],
+    source: str,
+    output: Path | None,
+    quiet: bool,
+) -> None:
+    """Simulate a specimen with its own arguments, or those given, and write `specimen.h5`."""
+    from fem.lines.march import SPECIMEN_FORMAT
+    from fem.lines.specimen import simulate_specimen
+    from semianalytic.results.saved import write_answer
+
+    notes, directory = Console(stderr=True), output or scene_folder(source, given)
+    with working_folder(directory):
+        with progress_bar(notes, quiet) as progress:
+            done = simulate_specimen(specimen, **{**run, **given}, progress=progress)
+
+        def save(folder: Path) -> None:
+            write_answer(folder / "specimen.h5", SPECIMEN_FORMAT, done)
+
+        save_somewhere(save, directory)
+    if not quiet:
+        notes.print(
+            f"{scene_label(source)}: {done.unknowns:,} unknowns, {done.steps} steps in "
+            f"{done.seconds:.2g} s, largest slip {abs(done.slip).max():.4g}, largest gap "
+            f"{done.gap.max():.4g}",
+            highlight=False,
+        )
     Console().print(f"Written to {directory}/", highlight=False)
 
 
