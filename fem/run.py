@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+import fem  # specimens, whose modules build on this one, by their names
 from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
@@ -57,8 +58,7 @@ def simulate(
     ----------
     scene : Scene, Specimen, str or path
         Materials, friction law, tractions and load histories, or a name or file as for `find`.  Of
-        a specimen, end_time and the options of `fem.lines.specimen.simulate_specimen`, of which
-        `size` is needed, are taken.
+        a specimen, end_time and the options of `Specimen.simulated` are taken.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -118,8 +118,9 @@ def simulate(
     >>> round(float(run.max_slip(1.0)), 2)  # 0.83 in the limit of fine meshes
     0.58
     """
-    if hasattr(scene, "simulated"):  # a specimen, whose module builds on this package
-        simulation: Simulation = scene.simulated(end_time, progress=progress, **options)
+    specimen = fem.find_specimen(scene)
+    if specimen is not None:
+        simulation: Any = specimen.simulated(end_time, progress=progress, **options)
         return simulation
     plan = make_plan(scene, end_time, settings, options, full=snapshots is not None)
     pace = Pace(checkpoint_every, checkpoint_seconds)

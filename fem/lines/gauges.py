@@ -46,31 +46,32 @@ class Gauges:
         self.velocity: list[Array] = []
         self.strain: list[Array] = []
         self._parts = []
-        for x, y in self.points:
-            number = int(y < 0)
-            block = blocks[number]
-            place = np.array([x - left[number], abs(y)]) / block.size
+        for number, (block, start) in enumerate(zip(blocks, left, strict=True)):
+            mine = np.flatnonzero((self.points[:, 1] < 0) == bool(number))
+            place = (np.abs(self.points[mine] - [start, 0.0])) / block.size
             corner = np.minimum(place.astype(int), [block.columns - 2, block.rows - 1])
-            u, v = place - corner
-            nodes = corner[0] + block.columns * corner[1] + np.array([0, 1, block.columns])
-            nodes = np.append(nodes, nodes[1] + block.columns)
-            shape = np.array([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v])
-            slope = np.array([[v - 1, 1 - v, -v, v], [u - 1, -u, 1 - u, u]]) / block.size
+            u, v = (place - corner).T
+            first = corner @ [1, block.columns]
+            nodes = first[:, None] + np.array([0, 1, block.columns, block.columns + 1])
+            shape = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v], axis=1)
+            slope = np.stack([[v - 1, 1 - v, -v, v], [u - 1, -u, 1 - u, u]]).T / block.size
             # a lower block is described by its mirror image
-            sign = np.array([1.0, -1.0]) if number else np.ones(2)
-            self._parts.append((number, 2 * nodes[:, None] + [0, 1], shape, slope, sign))
+            sign = np.array([1.0, -1.0 if number else 1.0])
+            unknowns = 2 * nodes[..., None] + [0, 1]
+            self._parts.append((mine, number, unknowns, shape, slope * sign, sign))
 
     def level(self, march: March) -> None:
         """Record a level whose kick is done."""
         velocity, strain = np.zeros((len(self.points), 2)), np.zeros((len(self.points), 3))
-        for row, (number, unknowns, shape, slope, sign) in enumerate(self._parts):
+        for mine, number, unknowns, shape, slope, sign in self._parts:
             body = march.bodies[number]
-            root = body.root[unknowns]
-            moved = body.displacement[unknowns] / root * sign
-            gained = body.before[unknowns] + body.increment[unknowns]
-            velocity[row] = shape @ (gained / root * sign) / (2 * march.time_step)
-            gradient = (slope * sign[:, None]) @ moved  # d_i u_j
-            strain[row] = gradient[0, 0], gradient[1, 1], (gradient[0, 1] + gradient[1, 0]) / 2
+            scale = sign / body.root[unknowns]
+            gained = (body.before[unknowns] + body.increment[unknowns]) * scale
+            velocity[mine] = np.einsum("ka,kai->ki", shape, gained) / (2 * march.time_step)
+            moved = body.displacement[unknowns] * scale
+            gradient = np.einsum("kaj,kai->kji", slope, moved)  # d_j u_i
+            strain[mine, :2] = gradient[:, [0, 1], [0, 1]]
+            strain[mine, 2] = (gradient[:, 0, 1] + gradient[:, 1, 0]) / 2
         self.velocity.append(velocity)
         self.strain.append(strain)
 

@@ -6,9 +6,9 @@ the last bit until loads come.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +20,16 @@ from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
-from semianalytic.scene.checks import (
-    check_fields,
-    checked_size,
-    shown,
-)
+from semianalytic.scene.checks import check_fields, check_keys, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.line.contact import Contact
+from semianalytic.scene.line.fields import Table
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -133,6 +131,8 @@ class Specimen:
         Factor of that load over time.
     gauges : sequence of (x, y)
         Points at which velocity and strain are recorded [length].
+    run : mapping
+        End time and size of the squares of a simulation, unless it is asked for others.
 
     Raises
     ------
@@ -162,8 +162,14 @@ class Specimen:
     load: Tractions = field(default_factory=lambda: Tractions(0.0, 0.0))
     history: LoadHistory = field(default_factory=Step)
     gauges: Sequence[tuple[float, float]] = ()
+    run: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        check_keys("run.", self.run, (), ("end_time", "size"))
+        if not isinstance(self.load, Tractions):
+            raise SceneError(
+                f"specimen: load must be Tractions on the slot, got {shown(self.load)}."
+            )
         upper, lower = self.blocks
         if not max(upper.left, lower.left) < min(upper.right, lower.right):
             raise SceneError("specimen: the blocks have no part of y = 0 in common; move one.")
@@ -175,14 +181,64 @@ class Specimen:
                     "move it into one of them."
                 )
 
-    def simulated(self, end_time: float | None, **options: Any) -> LineSimulation:
-        """Return the simulation until T [time]; options are those of `simulate_specimen`."""
-        return simulate_specimen(self, end_time, **options)
+    def simulated(
+        self,
+        end_time: float | None = None,
+        *,
+        size: float | None = None,
+        samples: int = SAMPLES,
+        damping: float = DAMPING,
+        step_ratio: float = STEP_RATIO,
+        progress: Progress | None = None,
+    ) -> LineSimulation:
+        """Simulate it with squares of a size [length]; all else is as for `simulate_line`.
 
-    @property
-    def law(self) -> Law:
-        """The friction law; a coefficient is that of Coulomb."""
-        return self.friction if isinstance(self.friction, Law) else Coulomb(self.friction)
+        At t = 0 it is at rest, in equilibrium under its preloads or with its base tractions in place.
+
+        Raises
+        ------
+        SceneError
+            If the blocks do not fit the squares, or would fall apart under their preloads.
+        """
+        x, meshed = self.meshed(size, damping)
+        size = meshed[0].size
+        shares = self.shares(x)
+        touching = shares[0] > 0
+        law, state = self.friction_at(x[touching], size)
+        pressure, shear = self.in_place(x, meshed)
+
+        def tractions(base: Array, load: float) -> Callable[..., tuple[Array, Array]]:
+            """Return tractions in place, and those on the slot, over time."""
+
+            def at(time: float, after: bool = False) -> tuple[Array, Array]:
+                now = np.nextafter(time, np.inf) if after else time
+                return base, base - load * float(self.history.pieces.value(now))
+
+            return at
+
+        upper, lower = self.blocks
+        line = Line(
+            upper.material,
+            lower.material,
+            size * len(x),
+            x,
+            touching,
+            law,
+            state,
+            tractions(shear, self.load.shear),
+            tractions(pressure, self.load.pressure),
+            opens=True,
+            shares=shares,
+        )
+        gauges = Gauges(self.gauges, meshed, [block.left for block in self.blocks])
+        end_time = checked_size("simulate: end_time", end_time or self.run.get("end_time"))
+        return marched(line, meshed, end_time, samples, step_ratio, progress, gauges)
+
+    def friction_at(self, x: Array, size: float) -> tuple[Law, Array]:
+        """Return the friction law at nodes (n,) of a spacing [length], and its state at t = 0."""
+        law = self.friction if isinstance(self.friction, Law) else Coulomb(self.friction)
+        law, none = law.on(x, size), np.zeros(len(x))
+        return law, np.asarray(law.start(none + 1, none, none), dtype=float)
 
     @property
     def blocks(self) -> tuple[Block, Block]:
@@ -191,8 +247,7 @@ class Specimen:
 
     def nodes(self, size: float) -> tuple[Array, list[int]]:
         """Return the positions of the joint's nodes, and the column of the first in each block."""
-        left = max(block.left for block in self.blocks)
-        right = min(block.right for block in self.blocks)
+        left, right = self.joint
         for block in self.blocks:
             spans = np.array([left - block.left, right - left, block.right - right, block.height])
             if np.abs(spans / size - np.rint(spans / size)).max() > WHOLE * spans.max() / size:
@@ -213,13 +268,97 @@ class Specimen:
         slot, least = np.diff(borders) - contact, WHOLE * (x[1] - x[0])
         return np.where(contact > least, contact, 0.0), np.where(slot > least, slot, 0.0)
 
-    def in_place(
-        self, blocks: list[LineBlock], x: Array, law: Law, state: Array
-    ) -> tuple[Array, Array]:
+    @property
+    def joint(self) -> tuple[float, float]:
+        """Ends of the joint [length]."""
+        ends = [(block.left, block.right) for block in self.blocks]
+        return max(ends)[0], min(end for _, end in ends)
+
+    def half_planes(self, size: float | None = None) -> Scene:
+        """Return the scene of half-planes that the specimen is until the bodies' ends are felt.
+
+        Contact or slot at an end of the joint goes on beyond it; so does what preloads have put in
+        place, by statics on squares of a size [length].
+        """
+        (left, right), base = self.joint, self.base
+        contact = [
+            (begin if begin > left else -math.inf, end if end < right else math.inf)
+            for begin, end in self.contact.intervals
+        ]
+        if base is None:
+            x, blocks = self.meshed(size)
+            on = self.shares(x)[0] > 0
+            found = self.in_place(x, blocks)
+            base = Tractions(*(Table(x[on], values[on]) for values in found))
+        return Scene(
+            self.upper.material,
+            self.friction,
+            base,
+            self.load,
+            pressure_history=self.history,
+            shear_history=self.history,
+            lower_material=self.lower.material,
+            contact=Contact(contact),
+        )
+
+    def felt(self, x: Array) -> Array:
+        """Return when the ends of the bodies are felt at points of the joint (n,) [time].
+
+        First waves run at c_l from loaded slots to a far side and back, or along the joint to its
+        ends and back; a slot at such an end sends them at once, unless the sides there let the
+        plane waves of its load pass.  Loads on sides come directly.
+        """
+        x, (left, right) = np.asarray(x, dtype=float), self.joint
+        found, acts = np.full(len(x), math.inf), bool(self.load.pressure or self.load.shear)
+        ends = [left, *(one for part in sorted(self.contact.intervals) for one in part), right]
+        slots = [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if acts and a < b]
+        for block in self.blocks:
+            speed, sides = block.material.longitudinal_speed, ((left, "left"), (right, "right"))
+            for begin, end in slots:
+                aside = np.maximum(np.maximum(begin - x, x - end), 0.0)
+                found = np.minimum(found, np.hypot(2 * block.height, aside) / speed)
+                for at, name in sides:
+                    near, far = sorted((abs(begin - at), abs(end - at)))
+                    way = far if near == 0 and self._passes(at, name) else near
+                    found = np.minimum(found, (way + np.abs(x - at)) / speed)
+            for name in block.load:
+                ways = {"left_side": x - block.left, "right_side": block.right - x}
+                found = np.minimum(found, ways.get(name, block.height + 0 * x) / speed)
+        return found
+
+    def _passes(self, at: float, name: str) -> bool:
+        """Return whether plane waves of the load on the slot run along the sides at a place."""
+        held = {"guided"} if not self.load.pressure else set()
+        held |= {"roller"} if not self.load.shear else set()
+        return all(
+            getattr(one, name) == at and getattr(one, f"{name}_side") in held for one in self.blocks
+        )
+
+    def meshed(self, size: float | None, damping: float = DAMPING) -> tuple[Array, list[LineBlock]]:
+        """Return the nodes of the joint [length] and the blocks with their loads, on squares."""
+        size = checked_size("simulate: size", self.run.get("size") if size is None else size)
+        x, firsts = self.nodes(size)
+        blocks = []
+        for block, first, sign in zip(self.blocks, firsts, (1.0, -1.0), strict=True):
+            one = LineBlock(
+                material=block.material,
+                columns=round((block.right - block.left) / size) + 1,
+                rows=round(block.height / size),
+                size=size,
+                damping_time=damping * size / block.material.shear_speed,
+                sides=block.kinds,
+                first=first,
+                history=block.history,
+            )
+            blocks.append(replace(one, load=side_forces(one, block.load, sign)))
+        return x, blocks
+
+    def in_place(self, x: Array, blocks: list[LineBlock]) -> tuple[Array, Array]:
         """Return pressure and shear in place at the nodes of the joint, (n,) [stress]."""
         if self.base is not None:
             return self.base.pressure + 0 * x, self.base.shear + 0 * x
         lengths, faces = self.shares(x)[0], []
+        law, state = self.friction_at(x[lengths > 0], blocks[0].size)
         for number, (block, meshed) in enumerate(zip(self.blocks, blocks, strict=True)):
             stiffness = STIFFNESS[IN_PLANE](meshed.mesh[0], block.material, meshed.mesh[1])
             free = np.isfinite(meshed.resistance()).astype(float)
@@ -251,75 +390,3 @@ def side_forces(block: LineBlock, tractions: Mapping[str, Tractions], sign: floa
         forces[2 * nodes + across] -= outward * traction.pressure * lengths
         forces[2 * nodes + along] += sign * outward * traction.shear * lengths
     return forces
-
-
-def simulate_specimen(
-    specimen: Specimen,
-    end_time: float | None,
-    *,
-    size: float | None = None,
-    samples: int = SAMPLES,
-    damping: float = DAMPING,
-    step_ratio: float = STEP_RATIO,
-    progress: Progress | None = None,
-) -> LineSimulation:
-    """Simulate a specimen with squares of a size [length]; all else as `simulate_line`.
-
-    At t = 0 it is at rest, in equilibrium under its preloads or with its base tractions in place.
-
-    Raises
-    ------
-    SceneError
-        If the blocks do not fit the squares, or would fall apart under their preloads.
-    """
-    size = checked_size("simulate: size", size)
-    end_time = checked_size("simulate: end_time", end_time)
-    x, firsts = specimen.nodes(size)
-    meshed = [
-        LineBlock(
-            material=block.material,
-            columns=round((block.right - block.left) / size) + 1,
-            rows=round(block.height / size),
-            size=size,
-            damping_time=damping * size / block.material.shear_speed,
-            sides=block.kinds,
-            first=first,
-        )
-        for block, first in zip(specimen.blocks, firsts, strict=True)
-    ]
-    meshed = [
-        replace(one, load=side_forces(one, block.load, sign), history=block.history)
-        for one, block, sign in zip(meshed, specimen.blocks, (1.0, -1.0), strict=True)
-    ]
-    shares = specimen.shares(x)
-    touching = shares[0] > 0
-    law = specimen.law.on(x[touching], size)
-    none = np.zeros(int(touching.sum()))
-    state = np.asarray(law.start(none + 1, none, none), dtype=float)
-    pressure, shear = specimen.in_place(meshed, x, law, state)
-
-    def tractions(base: Array, load: float) -> Callable[..., tuple[Array, Array]]:
-        """Return tractions in place, and those on the slot, over time."""
-
-        def at(time: float, after: bool = False) -> tuple[Array, Array]:
-            now = np.nextafter(time, np.inf) if after else time
-            return base, base - load * float(specimen.history.pieces.value(now))
-
-        return at
-
-    upper, lower = specimen.blocks
-    line = Line(
-        upper.material,
-        lower.material,
-        size * len(x),
-        x,
-        touching,
-        law,
-        state,
-        tractions(shear, specimen.load.shear),
-        tractions(pressure, specimen.load.pressure),
-        opens=True,
-        shares=shares,
-    )
-    gauges = Gauges(specimen.gauges, meshed, [block.left for block in specimen.blocks])
-    return marched(line, meshed, end_time, samples, step_ratio, progress, gauges)

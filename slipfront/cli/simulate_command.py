@@ -18,10 +18,11 @@ from compare.output.places import save_somewhere, working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Scene
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from slipfront.cli import options, terminal
+from slipfront.cli.endings.refusals import refuse_given, specimen_settings
 
 if TYPE_CHECKING:
     from fem import Simulation, Specimen
@@ -70,16 +71,13 @@ def simulate_command(
     require("slipfront simulate", *FEM)
     from fem.lines.plates import find_specimen
 
-    found = find_specimen(scene_name)
-    if found is not None:
-        if overrides or lower or as_json:
-            raise SceneError(
-                "simulate: a specimen takes no options of scenes, and has no --json; change its "
-                "file, and read specimen.h5 with slipfront.load."
-            )
-        given = {"end_time", "damping", "step_ratio"} & settings.keys()
-        simulate_plates(*found, {name: settings[name] for name in given}, scene_name, output, quiet)
+    specimen = find_specimen(scene_name)
+    if specimen is not None:
+        others = {**overrides, **lower, **{name: n for name, n in checkpoints.items() if n}}
+        given = specimen_settings(settings, others)
+        simulate_plates(specimen, given, scene_name, output, as_json=as_json, quiet=quiet)
         return
+    refuse_given({"size": settings.get("size")}, "is for specimens; this one takes --resolution")
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, {**overrides, **lower})
     scene = override_scene(find_scene(scene_name), **overrides, **lower)
@@ -103,33 +101,38 @@ def simulate_command(
 
 def simulate_plates(
     specimen: Specimen,
-    run: Mapping[str, Any],
     given: Mapping[str, Any],
     source: str,
     output: Path | None,
+    *,
+    as_json: bool,
     quiet: bool,
 ) -> None:
-    """Simulate a specimen with its own arguments, or those given, and write `specimen.h5`."""
+    """Simulate a specimen with its own settings, or those given, and write `specimen.h5`."""
+    from compare.comparison.interfaces.specimens import specimen_document
     from fem.lines.march import SPECIMEN_FORMAT
-    from fem.lines.specimen import simulate_specimen
     from semianalytic.results.saved import write_answer
 
     notes, directory = Console(stderr=True), output or scene_folder(source, given)
-    with working_folder(directory):
+    with working_folder(directory) as files:
         with progress_bar(notes, quiet) as progress:
-            done = simulate_specimen(specimen, **{**run, **given}, progress=progress)
+            done = specimen.simulated(**given, progress=progress)
 
         def save(folder: Path) -> None:
             write_answer(folder / "specimen.h5", SPECIMEN_FORMAT, done)
 
         save_somewhere(save, directory)
+    document = specimen_document(specimen, done)
     if not quiet:
         notes.print(
             f"{scene_label(source)}: {done.unknowns:,} unknowns, {done.steps} steps in "
-            f"{done.seconds:.2g} s, largest slip {abs(done.slip).max():.4g}, largest gap "
-            f"{done.gap.max():.4g}",
+            f"{done.seconds:.2g} s, largest slip {document['largest_slip']:.4g}, largest gap "
+            f"{document['largest_gap']:.4g}",
             highlight=False,
         )
+    if as_json:
+        terminal.print_json("simulate", document, files=files)
+        return
     Console().print(f"Written to {directory}/", highlight=False)
 
 

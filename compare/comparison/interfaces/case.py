@@ -98,6 +98,21 @@ class LineCase(Case):
         return tuple(run.line for run in runs)
 
     @property
+    def later(self) -> str:
+        """What follows the comparison with the run, in words."""
+        return ""
+
+    @property
+    def until(self) -> float:
+        """Last time at which both are compared [time]."""
+        return float(self.seen.t[-1])
+
+    @property
+    def checked(self) -> LineSimulation:
+        """Simulation in which laws are checked."""
+        return self.simulations[0]
+
+    @property
     def caution(self) -> str:
         """Why the run decides nothing; "" if it does."""
         return "" if self.run.status == "done" else f"the run is {self.run.status}"
@@ -269,7 +284,7 @@ class LineCase(Case):
 
     def _law_rows(self) -> Iterator[Row]:
         """Rows of what every correct simulation fulfils to rounding, over its largest values."""
-        one = self.simulations[0]
+        one = self.checked
         on, stress = one.touching, float(np.abs(one.strength).max(initial=0.0))
         excess = (np.abs(one.shear_traction) - one.strength)[:, on].max(initial=0.0)
         yield own_row(self, BEYOND, max(float(excess), 0.0) / (stress or 1.0), "largest strength")
@@ -299,8 +314,8 @@ class LineCase(Case):
 
         The stored pressure and strength are means, and strength is linear in pressure.
         """
-        one, law = self.simulations[0], self.run.scene.law
-        on, size = one.touching, self.run.scene.period / one.nodes
+        one, law = self.checked, self.run.scene.law
+        on, size = one.touching, self.simulation.element_size
         if not follows_path(type(law)) or np.any(law.on(one.x[on], size).pressure_delay(0.0)):
             return None
         law, pressure = law.on(one.x[on], size), np.maximum(one.pressure[:, on], 0.0)
@@ -315,7 +330,9 @@ class LineCase(Case):
         return np.where(opens, 0.0, np.min(found, axis=0)), np.max(found, axis=0)
 
 
-def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
+def line_case(
+    done: Run, simulations: Sequence[LineSimulation], kind: type[LineCase] = LineCase
+) -> LineCase:
     """Return the case of a run and of simulations on meshes of h, 2h and 4h; see
     `judge_interface`."""
     known = done.interface
@@ -328,10 +345,10 @@ def line_case(done: Run, simulations: Sequence[LineSimulation]) -> LineCase:
         still = {name: np.nan_to_num(done.at(values, one.x)) for name, values in base.items()}
         fields = {name: values - still[name] for name, values in fields_of(one, UNITS).items()}
         changes = InterfaceHistory(x=one.x, t=one.t, **fields)
-        mesh = LineMesh(one, changes, one.nodes, done.scene.period / one.nodes, mesh)
+        mesh = LineMesh(one, changes, one.nodes, float(one.x[1] - one.x[0]), mesh)
     both: tuple[Any, Any] = done, mesh
     coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
-    return LineCase(*both, predicted_changes(done, simulations[0].x), coarse)
+    return kind(*both, predicted_changes(done, simulations[0].x), coarse)
 
 
 def predicted_changes(done: Run, x: Array) -> InterfaceHistory:

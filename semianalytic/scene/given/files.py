@@ -13,7 +13,7 @@ from typing import Any
 from semianalytic.scene.checks import check_keys
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
@@ -30,6 +30,10 @@ TABLES = (
 KEYS = (
     *("friction", "mode", "load_on", "units", "contact", "summary"),
     *("period", "rate", "plate_rate", "held", "even"),
+)
+FINITE = (
+    "this is a specimen of finite size; simulate or compare it, or, until its sides are felt, "
+    "solve the half-planes of it (docs/specimens.md)."
 )
 _FORMER = {
     "length": "period",
@@ -72,13 +76,15 @@ def read_scene(path: str | Path) -> Scene:
 
 
 def named_line(name: str) -> Scene:
-    """Return the scene on a line of a name in `NAMED_LINES`."""
-    return scene_of_file(tomllib.loads(NAMED_LINES[name]), name)
+    """Return the scene on a line of a name in `NAMED_LINES`; raises as `read_scene`."""
+    return scene_of_file(tomllib.loads({**NAMED_LINES, **NAMED_SPECIMENS}[name]), name)
 
 
 def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
     """Return the scene of a document as `read_scene` does; the path is that of its file."""
     try:
+        if "upper" in document:
+            raise SceneError(FINITE)
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         for key, now in _FORMER.items():
             if key in document:

@@ -11,7 +11,7 @@ from pathlib import Path
 from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Scene
@@ -80,7 +80,7 @@ def find(source: str | PathLike[str]) -> Scene:
     named = NAMED_SCENES.get(source)
     if named is not None:
         return named.scene
-    if is_file(source) or source in NAMED_LINES:
+    if is_file(source) or source in NAMED_LINES or source in NAMED_SPECIMENS:
         from semianalytic.scene.given.files import named_line, read_scene  # most scenes are named
 
         return read_scene(source) if is_file(source) else named_line(source)
@@ -130,7 +130,7 @@ def of_scene(function: Function) -> Function:
 
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *NAMED_LINES)
+    own = (*NAMED_SCENES, *NAMED_LINES, *NAMED_SPECIMENS)
     return [*own, *plugin_names(SCENES, own)]
 
 

@@ -220,3 +220,28 @@ every = 4
     + _CRUST,
 }
 """Descriptions by name, as in TOML files."""
+
+NAMED_SPECIMENS: Mapping[str, str] = {
+    "pmma-specimen": """
+summary = "plates of PMMA, 200 x 100 mm each, whose left half of the joint loses its shear"
+friction = 0.3
+gauges = [[0.02, 0.0035], [0.04, 0.0035], [0.06, 0.0035]]
+base = {pressure = "5 MPa", shear = "0.8 MPa"}
+load = {pressure = 0.0, shear = "0.8 MPa"}
+contact = {intervals = [[0.0, 0.1]]}
+run = {end_time = 150e-6, size = 1e-3}
+[upper]
+material = "pmma"
+height = 0.1
+left = -0.1
+right = 0.1
+far_side = "clamped"
+[lower]
+material = "pmma"
+height = 0.1
+left = -0.1
+right = 0.1
+far_side = "clamped"
+"""
+}
+"""Specimens of finite size by name, as in TOML files."""

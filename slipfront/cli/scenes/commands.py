@@ -20,7 +20,7 @@ from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
@@ -48,7 +48,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_LINES),
+    SCENES: (*NAMED_SCENES, *NAMED_LINES, *NAMED_SPECIMENS),
     LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -83,6 +83,10 @@ def _own_rows() -> Iterator[dict[str, Any]]:
     for name, scene, summary in own:
         row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
         yield {**row, "summary": summary, "scene": scene_document(scene)}
+    for name, text in NAMED_SPECIMENS.items():
+        row = {"name": name, "what": "specimen", "package": None, "problem": ""}
+        given = tomllib.loads(text)
+        yield {**row, "summary": given.pop("summary"), "scene": given}
 
 
 def _what(scene: Scene) -> str:
@@ -156,14 +160,15 @@ def init(
     """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
-    scene = find(from_)
-    if scene.on_line:
+    finite = NAMED_SPECIMENS.get(from_)
+    scene = find(DEFAULT_SCENE if finite else from_)
+    if finite or scene.on_line:
         if units or material:
             raise SceneError(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        own = NAMED_LINES.get(from_)
+        own = finite or NAMED_LINES.get(from_)
         text = text_of(Path(from_)) if own is None else own.lstrip()
     else:
         solid = None if material is None else find_solid(material)
@@ -172,6 +177,8 @@ def init(
         remark = f"{material}: {solid.source}." if solid else ""
         text = scene_text(scene, from_, remark, with_all=with_all)
     document = {"scene": scene_document(scene), "units": _units(scene), "text": text}
+    if finite:
+        document = {"scene": tomllib.loads(finite), "units": {}, "text": text}
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
@@ -182,4 +189,5 @@ def init(
     elif file == STDOUT:
         sys.stdout.write(text)
     else:
-        Console().print(f"Written to {file}; try slipfront solve {file}", highlight=False)
+        verb = "simulate" if finite else "solve"
+        Console().print(f"Written to {file}; try slipfront {verb} {file}", highlight=False)

@@ -6,8 +6,7 @@ from catalogue import PRELOADED
 
 import semianalytic as sf
 from fem import Block, Specimen, simulate
-from fem.lines.blocks import SIDES, LineBlock
-from fem.lines.plates import find_specimen
+from fem.lines.blocks import SIDES
 from slipfront.cli.commands import main
 from slipfront.loading import load
 
@@ -77,11 +76,8 @@ def statics(size, shear=0.0):
     """Pressure and shear in place of blocks 2 x 1, pressed by 1 on top, the bottom clamped."""
     top = {"far_side": sf.Tractions(1.0, shear)}
     pair = Specimen(Block(A, 1.0, -1.0, 1.0, preload=top), Block(A, 1.0, -1.0, 1.0, "clamped"), 0.3)
-    x, _ = pair.nodes(size)
-    blocks = [
-        LineBlock(A, len(x), round(1 / size), size, 0.0, sides=block.kinds) for block in pair.blocks
-    ]
-    return x, *pair.in_place(blocks, x, pair.law, np.zeros(len(x)))
+    x, blocks = pair.meshed(size)
+    return x, *pair.in_place(x, blocks)
 
 
 def test_static_pressure_and_partial_slip_are_those_of_a_saddle_point_solver():
@@ -224,8 +220,7 @@ def test_what_is_no_specimen_is_one_sentence(make, said):
 
 def test_a_named_specimen_is_the_half_plane_until_its_left_side_is_felt():
     """Slip at 4 and 20 mm after 36 us by a prototype: 6.88 and .061 um; 18.1 and 6.34 after 70."""
-    plates, options = find_specimen("pmma-specimen")
-    run = simulate(plates, 70e-6, size=options["size"], samples=35)
+    run = simulate("pmma-specimen", 70e-6, samples=35)
     at = [int(np.abs(run.x - x).argmin()) for x in (4e-3, 20e-3)]
     assert run.slip[17, at] == pytest.approx([6.88e-6, 0.061e-6], rel=0.03)
     assert run.slip[-1, at] == pytest.approx([18.1e-6, 6.34e-6], rel=0.02)
