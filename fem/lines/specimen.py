@@ -193,7 +193,7 @@ class Specimen:
     ) -> LineSimulation:
         """Simulate it with squares of a size [length]; all else is as for `simulate_line`.
 
-        At t = 0 it is at rest, in equilibrium under its preloads or with its base tractions in place.
+        At t = 0 it is at rest, in equilibrium under its preloads or with its base in place.
 
         Raises
         ------

@@ -170,20 +170,27 @@ def judge_specimen(specimen: Specimen, meshes: Sequence[LineSimulation], until: 
 
 def specimen_document(specimen: Specimen, done: LineSimulation) -> dict[str, Any]:
     """A specimen and its simulation as dictionaries, lists, strings and numbers, for JSON."""
-    base = specimen.base or Tractions(0.0, 0.0)
-    scene = replace(specimen, base=base).half_planes()
-    blocks = {
-        name: {**asdict(block), "history": history_document(block.history)}
-        for name, block in zip(("upper", "lower"), specimen.blocks, strict=True)
+    scene = replace(specimen, base=specimen.base or Tractions(0.0, 0.0)).half_planes()
+    parts = scene_document(scene)
+    kept: dict[str, Any] = {
+        key: parts[key] for key in ("friction", "friction_law", "load", "units") if key in parts
     }
+    if specimen.base is not None:
+        kept["base"] = parts["base"]
+    for name, block in zip(("upper", "lower"), specimen.blocks, strict=True):
+        kept[name] = {**asdict(block), "history": history_document(block.history)}
+    ends = [[x if np.isfinite(x) else str(x) for x in p] for p in specimen.contact.intervals]
+    kept["contact"] = {"intervals": ends}
+    kept["history"] = history_document(specimen.history)
+    kept["gauges"] = [list(place) for place in specimen.gauges]
     document: dict[str, Any] = {
-        "scene": {**scene_document(scene), **blocks, "gauges": [list(p) for p in specimen.gauges]},
+        "scene": kept,
         "finite_elements": {
             "end_time": float(done.t[-1]),
             "element_size": float(done.x[1] - done.x[0]),
             "time_step": float(done.t[-1] / done.steps),
             **{name: getattr(done, name) for name in ("steps", "unknowns", "imbalance")},
-            "seconds": {"all": done.seconds},
+            "seconds": done.seconds,
         },
         "largest_slip": float(np.abs(done.slip[:, done.touching]).max()),
         "largest_slip_rate": float(np.abs(done.slip_rate[:, done.touching]).max()),

@@ -1,10 +1,14 @@
 """Specimens of finite size: staircases of layers, statics, energy, absorbing sides, half-planes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from catalogue import PRELOADED
+from json_checks import checked
 
-import semianalytic as sf
+import slipfront as sf
+from compare.comparison.interfaces.specimens import judge_specimen
 from fem import Block, Specimen, simulate
 from fem.lines.blocks import SIDES
 from slipfront.cli.commands import main
@@ -249,8 +253,13 @@ far_side = "clamped"
 def test_the_command_simulates_a_file_and_keeps_its_answer(tmp_path, capsys):
     path = tmp_path / "plates.toml"
     path.write_text(FILE)
-    assert main(["simulate", str(path), "--output", str(tmp_path / "out")]) == 0
-    assert "largest slip 0" in capsys.readouterr().err
+    out = str(tmp_path / "out")
+    assert main(["simulate", str(path), "--output", out, "--json"]) == 0
+    said = capsys.readouterr()
+    document = checked(said.out)
+    assert document["files"] == [f"{out}/specimen.h5"]
+    assert document["largest_slip"] == 0
+    assert "largest slip 0" in said.err
     kept = load(tmp_path / "out" / "specimen.h5")
     assert kept.pressure[-1].max() == pytest.approx(1.02, abs=0.02)
     assert kept.gauges.strain.shape == (kept.steps + 1, 1, 3)
@@ -270,3 +279,92 @@ def test_a_bad_file_is_one_sentence_and_exit_code_2(change, said, tmp_path, refu
     path = tmp_path / "plates.toml"
     path.write_text(FILE.replace(*change))
     assert said in refused(f"simulate {path} --quiet --output {tmp_path / 'out'}", 2)
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """The named specimen, its simulations on three meshes, and when its ends are felt."""
+    plates = sf.find_specimen("pmma-specimen")
+    judgement = sf.compare(plates, 100e-6, size=1e-3)
+    return plates, judgement
+
+
+def test_a_specimen_agrees_with_half_planes_until_its_ends_are_felt_and_with_meshes_later(judged):
+    plates, judgement = judged
+    assert judgement.verdict == "agrees"
+    # the left side sends a wave at once; three squares of the coarsest mesh are for forerunners
+    fastest = plates.upper.material.longitudinal_speed
+    assert plates.felt(np.array([0.0, 0.04])) == pytest.approx(np.array([0.1, 0.14]) / fastest)
+    assert 0.8 * 0.1 / fastest < judgement.case.until < 0.1 / fastest
+    later = [row.name for row in judgement.rows if "meshes" in row.name]
+    assert [name.split(" after")[0] for name in later] == ["slip", "slip rate", "shear traction"]
+
+
+@pytest.mark.parametrize(
+    ("fault", "of", "verdict", "row"),
+    [
+        ("slip_rate", 1.08, "differs", "slip rate against slip"),
+        ("shear_traction", 1.01, "differs", "traction beyond friction"),
+        ("slip", 1.05, "unresolved", "slip after"),
+    ],
+)
+def test_a_fault_of_the_finest_mesh_after_the_half_planes_is_found(judged, fault, of, verdict, row):
+    plates, judgement = judged
+    meshes, until = list(judgement.case.whole), judgement.case.until
+    factor = np.where(meshes[0].t > 40e-6, of, 1.0)[:, None]
+    meshes[0] = replace(meshes[0], **{fault: factor * getattr(meshes[0], fault)})
+    found = judge_specimen(plates, meshes, until)
+    assert found.verdict == verdict
+    assert any(one.name.startswith(row) for one in found.having(verdict))
+
+
+def test_a_specimen_of_other_friction_differs_from_its_half_planes(judged):
+    plates, judgement = judged
+    other = replace(plates, friction=0.27)
+    assert judge_specimen(other, judgement.case.whole, judgement.case.until).verdict == "differs"
+
+
+def test_the_ends_of_a_specimen_are_felt_by_the_shortest_way():
+    """Sides that plane waves of the load run along leave the edge; loads on sides come directly."""
+    at, load = np.array([0.2]), {"contact": sf.Contact.half_line(), "load": sf.Tractions(0.0, 0.1)}
+    fastest = A.longitudinal_speed
+    assert pair(**load).felt(at) * fastest == pytest.approx(1.2)
+    guided = pair(GUIDED, GUIDED, **load).felt(at) * fastest
+    assert guided == pytest.approx(1.8)  # by the right side
+    low = pair({"height": 0.3, **GUIDED}, GUIDED, **load).felt(at) * fastest
+    assert low == pytest.approx(np.hypot(0.6, 0.2))
+    assert pair({"load": TOP}).felt(at) * fastest == pytest.approx(1.0)
+    assert np.isinf(pair().felt(at))
+
+
+def test_a_specimen_whose_ends_are_felt_at_once_is_compared_with_no_half_plane():
+    pushed = {"load": {"left_side": sf.Tractions(0.1, 0.0)}}
+    with pytest.raises(sf.SceneError, match="felt so soon"):
+        sf.compare(pair(pushed, base=sf.Tractions(1.0, 0.0)), 1.0, size=0.05)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("solve pmma-specimen", "simulate or compare it"),
+        ("simulate pmma-specimen --resolution 9", "is for scenes"),
+        ("compare pmma-specimen --nodes 64", "is for scenes"),
+        ("simulate preloaded --size 1", "is for specimens"),
+    ],
+)
+def test_commands_that_take_no_specimen_say_so(line, said, refused):
+    assert said in refused(line, 2)
+
+
+def test_a_named_specimen_is_listed_and_written_and_read_again(tmp_path, printed):
+    rows = {row["name"]: row for row in printed("scenes")["scenes"]}
+    assert rows["pmma-specimen"]["what"] == "specimen"
+    printed(f"init {tmp_path}/plates.toml --from pmma-specimen")
+    assert sf.find_specimen(tmp_path / "plates.toml") == sf.find_specimen("pmma-specimen")
+
+
+@pytest.mark.slow
+def test_compare_prints_a_specimen(printed):
+    document = printed("compare pmma-specimen --quiet")
+    assert document["verdict"] == "agrees"
+    assert document["comparison"]["until"] == pytest.approx(32.3e-6, rel=0.01)
