@@ -43,7 +43,7 @@ FRAME_SIZE = {"squares": (16, 30), "triangles": (27, 40)}
 HISTORY_SIZE = 0.5
 """Size of `simulation.h5` over that of the histories in memory, which it compresses."""
 PACE_UNKNOWNS = 2**16
-"""Size of the matrix whose product tells how fast a machine is: more than a cache holds."""
+"""Size of the matrix whose product measures how fast a machine is: larger than a cache."""
 PACE_SECONDS = 0.4
 """Duration of the timing of such products [s], long enough to be interrupted as a simulation is
 where others share the cores: half of it missed half of the time lost to them."""
@@ -64,7 +64,7 @@ class Cost:
     steps : int
         Time steps.
     memory : int
-        Peak on top of what the process holds already [bytes], within 30 %; below some 30,000
+        Peak on top of what the process uses already [bytes], within 30 %; below some 30,000
         unknowns up to half too much.
     seconds : float
         Wall-clock time [s], rough: that of an idle core of 2024.
@@ -255,7 +255,7 @@ def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
     path : Path
         A file that is to be written.
     needed, freed : int
-        Size of it and of others beside it, and of files that are removed first [bytes].
+        Size of it and of others in its folder, and of files that are removed first [bytes].
     parts : str
         Names of these files, as the subject of the sentence.
 

@@ -54,7 +54,7 @@ def take_checkpoint(
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     parts = {f"body {number}": body.state() for number, body in enumerate(model.bodies)}
     parts |= {"interface": model.joint.sums(), "record": record.stored()}
-    arrays = {f"{part}/{name}": one for part, own in parts.items() for name, one in own.items()}
+    arrays = {f"{part}/{name}": array for part, own in parts.items() for name, array in own.items()}
     return Checkpoint(step, arrays, frames)
 
 

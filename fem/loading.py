@@ -6,7 +6,7 @@ whatever the load does in between; a jump at a time level counts half at that le
 
 A load whose front moves over the slot, or that an incident wave brings, acts at x from t = p x on.
 The finite elements compute what the slot scatters: the uncut body lets the wave through with known
-tractions, which the contact carries besides, and which are taken off the slot faces behind the
+tractions, which the contact carries in addition, and which are taken off the slot faces behind the
 front.
 """
 
@@ -53,7 +53,7 @@ def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
     borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
     share = (np.arange(SPREAD) + 0.5) / SPREAD
     within = borders[:-1, None] + np.diff(borders)[:, None] * share
-    # the mesh's own edge lies beside x = 0, which the front reaches at t = 0
+    # the mesh's own edge lies next to x = 0, which the front reaches at t = 0
     return slowness * (np.maximum(within, 0.0) if contact else np.minimum(within, 0.0))
 
 
@@ -106,7 +106,8 @@ class SceneTractions:
         """Return the means of both f(t - p x) over a kick and the places (k, n) of each node."""
         start, end = kick_interval(level, self.step)
         shear, pressure = (
-            np.asarray(one.mean(start - delay, end - delay).mean(axis=1)) for one in self.histories
+            np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
+            for history in self.histories
         )
         return shear, pressure
 
@@ -146,5 +147,5 @@ def arrived_wave(scene: Scene, x: Array, y: Array, t: float) -> Arrived | None:
     return Arrived(
         along * history.pieces.integral(lag),
         along * value,
-        {name: one * value for name, one in wave.stresses(solid).items()},
+        {name: stress * value for name, stress in wave.stresses(solid).items()},
     )

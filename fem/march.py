@@ -22,7 +22,7 @@ from semianalytic.scene.material import Material
 RATE_WINDOW = 2.8
 """Elements that a shear wave crosses in the time over which slip rates are averaged.  The surface
 of a mesh rings with about that period; the error of averaged slip rates is half of that of single
-steps (docs/fem.md)."""
+steps."""
 
 
 def half_window(size: float, speed: float, step: float) -> int:
@@ -41,7 +41,7 @@ def highest_of_patch(size: float, material: Material, components: tuple[int, ...
     """Return the largest eigenfrequency of a free patch of squares [1 / time].
 
     The fastest mode of a block is localised in its corners, so a patch of a few elements has it,
-    and no block that is larger or held exceeds it.  Squares have sides of a size [length].
+    and no block that is larger or fixed exceeds it.  Squares have sides of a size [length].
     """
     side = size * np.arange(PATCH + 1.0)
     space = Space(MeshQuad.init_tensor(side, side))
@@ -90,7 +90,7 @@ def face_pair(
 class Walls:
     """Side walls that let plane waves pass along them.
 
-    Of the motion in which blocks move oppositely along x they hold u_y, of the rest u_x.
+    They fix u_y of the motion in which blocks move oppositely along x, and u_x of the rest.
 
     Parameters
     ----------

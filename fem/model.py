@@ -209,7 +209,7 @@ def build_model(plan: Plan, space: Space) -> Model:
     if plan.name != TWO_MATERIALS and IN_PLANE in plan.bodies:
         nodes = place[np.concatenate([space.side_nodes(side) for side in ("left", "right")])]
         moving = [body for body in bodies if body.components == IN_PLANE]
-        walls = Walls(moving, *(unknowns_of(nodes, one, IN_PLANE) for one in IN_PLANE))
+        walls = Walls(moving, *(unknowns_of(nodes, component, IN_PLANE) for component in IN_PLANE))
     return Model(
         bodies=bodies,
         joint=joint,

@@ -141,7 +141,7 @@ class Plan:
 
     @property
     def edge(self) -> float:
-        """Position of the edge node [length]: beside x = 0 if the slot is pressed.
+        """Position of the edge node [length]: next to x = 0 if the slot is pressed.
 
         `fem.elements.edge` says where.  It is at x = 0 under shear alone, where the edge slips, and
         for unstructured meshes, whose offset is not known.
@@ -194,7 +194,7 @@ class Plan:
     def critical_step(self) -> float:
         """Largest stable step [time]; an estimate for unstructured triangles.
 
-        `highest_of_patch` says why a patch of the mesh tells it.
+        `highest_of_patch` says why a patch of the mesh determines it.
         """
         kinds = product(dict.fromkeys(self.scene.bodies), dict.fromkeys(self.bodies))
         highest = max(

@@ -158,8 +158,8 @@ class MeshRecord:
         begun = int(np.searchsorted(self._levels, self._level + self.model.half_window, "right"))
         known = {"interface": begun, "slot": rows, "energy": levels, "totals": levels}
         arrays = {
-            name: one[:, : known[name]] if name in known else one
-            for name, one in self._arrays().items()
+            name: array[:, : known[name]] if name in known else array
+            for name, array in self._arrays().items()
         }
         return arrays | {"state": self._state[:rows], "gap": self._gap[:rows]}
 
@@ -200,5 +200,5 @@ class MeshRecord:
 
 def displacement_scale(scene: Scene, end_time: float) -> float:
     """Return the displacement that the largest traction causes within a time [length]."""
-    largest = max(max(abs(one.pressure), abs(one.shear)) for one in scene.superposition)
+    largest = max(max(abs(load.pressure), abs(load.shear)) for load in scene.superposition)
     return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

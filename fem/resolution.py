@@ -19,13 +19,13 @@ from semianalytic.scene.scene import Scene
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
 """Largest turn of a load, over its largest value, while a shear wave covers so many node distances.
 It allows 12 of them in a period of a harmonic, 8 in a triangle, 4 in a rectangle, with frictional
-work within 6 % (docs/fem.md); the shorter time is for ripples."""
+work within 6 %; the shorter time is for ripples."""
 LEAST_CROSSED = 16
 """Elements that the shear wave of the slower block should cross until the end: slip at the end is
-then within 0.5 %, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
+then within 0.5 %, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds."""
 WEAKENING_ELEMENTS = 13
 """Elements in the process zone of slip weakening from which on slip is right to 1 %; slip rate, all
-of which is at the front, takes some 40 (docs/fem.md)."""
+of which is at the front, takes some 40."""
 MOST = 2**60
 ROUNDING = 1e-9
 
@@ -74,7 +74,7 @@ def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
         if needed is None:
             raise SceneError(
                 f"simulate: the {name} history turns back within no time at all; smooth it, or "
-                "take out samples that lie beside each other (docs/limits.md)."
+                "take out samples that lie close together (docs/limits.md)."
             )
         raise SceneError(
             f"simulate: the {name} history turns back faster than this mesh can follow; raise "

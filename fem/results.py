@@ -171,11 +171,11 @@ class Simulation(SampledAnswer):
         Displacement unknowns.
     interface : InterfaceHistory
         Fields on the contact nodes x > 0, from h beyond the edge node on.  The edge node, at x = 0
-        or, if the slot is pressed, a fraction of h beside it, is left out: part of its mass belongs
+        or, if the slot is pressed, a fraction of h from it, is left out: part of its mass belongs
         to the slot, and its motion does not converge.  All fields belong to the same times: the
         tractions are those of the level, and the slip rate is the mean over a window around it,
         second order in time, in which a shear wave crosses 2.8 elements (up to whole steps; soon
-        after t = 0 the window begins there).  This holds for the last level too: the run goes on
+        after t = 0 the window begins there).  So it is for the last level: the run goes on
         until its window ends.
     state : (m, n) array of int8
         State of each node of `interface` in the step after each time: STICK (0), slip FORWARD
@@ -308,7 +308,7 @@ def load_simulation(directory: str | Path) -> Simulation:
     Parameters
     ----------
     directory : path
-        Folder that holds `simulation.h5`.
+        Folder of `simulation.h5`.
 
     Returns
     -------

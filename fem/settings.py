@@ -1,4 +1,4 @@
-"""What a run is asked for: its mesh, elements, time step, damping, and what it stores."""
+"""The settings of a run: its mesh, elements, time step, damping, and what it stores."""
 
 from __future__ import annotations
 

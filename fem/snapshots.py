@@ -174,7 +174,7 @@ class Snapshots:
         if antiplane:
             stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + held.shear}
         if wave is not None:
-            stress = {name: one + wave.stress[name[-2:]] for name, one in stress.items()}
+            stress = {name: values + wave.stress[name[-2:]] for name, values in stress.items()}
         return stress
 
     def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:

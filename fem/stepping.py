@@ -228,9 +228,9 @@ class MarchedBody:
         )
 
 
-def _dot(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _dot(vector: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Return a scalar product without BLAS, whose threads wait for one another when busy."""
-    return float(np.einsum("i,i", one, other))
+    return float(np.einsum("i,i", vector, other))
 
 
 def _row_view(matrix: sparse.csr_array, rows: slice) -> sparse.csr_array:

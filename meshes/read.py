@@ -85,7 +85,7 @@ def _parse(path: Path) -> _Raw:
         file = meshio.gmsh.read(path)
         kinds = {cells.type for cells in file.cells}
         if kinds == {"line", "triangle"}:
-            elements, lines = (file.cells_dict[one].T for one in ("triangle", "line"))
+            elements, lines = (file.cells_dict[shape].T for shape in ("triangle", "line"))
             sides = {
                 name: lines[:, members["line"]]
                 for name, members in file.cell_sets_dict.items()
@@ -129,8 +129,8 @@ def _side_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> s
 def _is_covered(corners: NDArray[np.float64], blocks: Blocks) -> bool:
     """Return whether triangles (2, 3, n), in elements, cover the rectangle once."""
     (x, y), first = corners, corners[:, 0]
-    one, two = corners[:, 1] - first, corners[:, 2] - first
-    area = (one[0] * two[1] - one[1] * two[0]) / 2
+    side, other = corners[:, 1] - first, corners[:, 2] - first
+    area = (side[0] * other[1] - side[1] * other[0]) / 2
     slack = POSITION_TOLERANCE
     inside = (
         (-blocks.left - slack <= x.min())

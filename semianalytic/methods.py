@@ -76,11 +76,11 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     own = dict(getattr(problem, "run", {}))  # settings of a march, which exact answers pass over
     if "go_on" in settings:
         own.pop("nodes", None)  # which are those of the march that goes on
-    names = {one.name for one in known}
+    names = {parameter.name for parameter in known}
     settings = {name: value for name, value in own.items() if name in names} | settings
     unknown = sorted(settings.keys() - names)
-    if unknown and all(one.kind is not one.VAR_KEYWORD for one in known):
-        takes = ", ".join(one.name for one in known) or "none"
+    if unknown and all(parameter.kind is not parameter.VAR_KEYWORD for parameter in known):
+        takes = ", ".join(parameter.name for parameter in known) or "none"
         what = f"{name} for a {type(problem).__name__}"
         raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which takes {takes}.")
     answer = solver.solve(problem, **settings)
@@ -108,7 +108,7 @@ def chosen(problem: object, method: str = "auto") -> Chosen:
                 return Chosen(name, solver)
             refusals.setdefault(refusal, name)  # two may say the same
     if refusals:
-        raise SceneError(" ".join(f"{name}: {one}" for one, name in refusals.items()))
+        raise SceneError(" ".join(f"{name}: {sentence}" for sentence, name in refusals.items()))
     names = ["auto", *_OWN, *plugins.plugin_names(plugins.METHODS, _OWN)]
     if method not in names:
         raise SceneError(f"method must be one of {', '.join(names)}, got {shown(method)}.")

@@ -29,11 +29,11 @@ def places(package: str) -> dict[str, tuple[str, str]]:
     for line in ast.parse((stub if stub.exists() else face).read_text(encoding="utf-8")).body:
         if isinstance(line, ast.ImportFrom) and line.module:
             if line.module == package:  # a module of its own
-                found |= {one.name: (f"{package}.{one.name}", "") for one in line.names}
+                found |= {name.name: (f"{package}.{name.name}", "") for name in line.names}
             elif line.names[0].name == "*":
                 found |= places(line.module)
             else:
-                found |= {one.name: (line.module, one.name) for one in line.names}
+                found |= {name.name: (line.module, name.name) for name in line.names}
     return found
 
 

@@ -148,10 +148,11 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         )
         for scene in ("auxetic", "lift-off-shear", "preloaded")
     },
-    "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
-        solved("tap")
-    ),
     "compare.figures.named.answer_figure": lambda: answer_figure(_marched("unload")),
+    **{
+        f"compare.figures.named.answer_figure/{name}": lambda name=name: answer_figure(solved(name))
+        for name in ("tap", "auxetic", "lift-off-shear")
+    },
     "compare.figures.snapshots.snapshot_figure": _snapshots,
     "compare.figures.records.record_figure": _record,
     **{

@@ -4,9 +4,12 @@ import contextlib
 import io
 import os
 import re
+import runpy
 import shlex
+import sys
 import tomllib
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -93,7 +96,11 @@ def test_every_folder_is_in_the_code_layout():
 def test_versions_agree():
     """The newest of the changelog, the citation, and what follows in a clone without tags."""
     number = re.findall(r"^## \[([\d.]+)\] - \d{4}-\d\d-\d\d$", CHANGES, re.M)[0]
-    assert f"\nversion: {number}\n" in (ROOT / "CITATION.cff").read_text()
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert f"\nversion: {number}\n" in citation
+    assert f"\nkeywords: [{', '.join(SETTINGS['project']['keywords'])}]\n" in citation
+    for author in SETTINGS["project"]["authors"]:
+        assert f"\n  - name: {author['name']}\n" in citation
     # never that of a release, which only a tag gives, and newer than it, as in a clone with tags
     major, minor, patch = number.split(".")
     assert f"{major}.{minor}.{int(patch) + 1}.dev0" == FALLBACK
@@ -121,7 +128,29 @@ def test_reference_holds_every_public_name():
 def test_every_page_is_in_the_site():
     site = (ROOT / "mkdocs.yml").read_text()
     pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
+    pages.remove("paper.md")  # for a journal
     assert set(re.findall(r": ([\w/]+\.md)$", site, re.MULTILINE)) == pages
+
+
+def test_an_index_shows_the_readme_with_absolute_links(monkeypatch):
+    """Its pictures and pages by the address of the forge, and no link that leads nowhere."""
+    place = ModuleType("hatchling.metadata.plugin.interface")
+    place.MetadataHookInterface = object
+    monkeypatch.setitem(sys.modules, place.__name__, place)
+    hook = runpy.run_path(str(ROOT / "hatch_build.py"))
+    shown = hook["index_readme"](README, "https://forge.org/us/slipfront")
+    targets = re.findall(r"\]\(([^)]*)\)", shown)
+    assert len(targets) > 20
+    assert [target for target in targets if not target.startswith("https://")] == []
+    raw = [target for target in targets if "/raw/main/docs/figures/" in target]
+    assert len(raw) == len(re.findall(r"!\[", README)) > 0
+    assert re.findall(r"\]\(", hook["index_readme"](README, "")) == []
+    assert "[" not in hook["index_readme"]("a [page](docs/a.md), ![seen](b.png)", "")
+    monkeypatch.setenv("GITHUB_SERVER_URL", "https://forge.org")
+    monkeypatch.setenv("GITHUB_REPOSITORY", "us/slipfront")
+    urls = hook["project_urls"](hook["repository"]())
+    assert urls["Issues"] == "https://forge.org/us/slipfront/issues"
+    assert {"readme", "urls"} < set(SETTINGS["project"]["dynamic"])
 
 
 def test_every_recipe_installs_the_libraries_of_the_one_list():

@@ -79,7 +79,7 @@ def answer_to(sheet: Sheet) -> Answered:
     if not sheet.is_interface:
         return solve(sheet.problem, **_settings(sheet))
     document = json.loads(stored_text(f"{sheet.name}.json"))
-    values = {name: np.array(one, dtype=float) for name, one in document["answers"].items()}
+    values = {name: np.array(rows, dtype=float) for name, rows in document["answers"].items()}
     arrivals = np.nan_to_num(values.pop("arrivals"), nan=math.inf)  # null: never
     x, t = np.array(sheet.stations), np.array(sheet.times)
     return Stored(x, t, values, arrivals, document["errors"])
@@ -95,7 +95,7 @@ def _settings(sheet: Sheet) -> dict[str, Any]:
 
 def checksums(contents: Mapping[str, bytes]) -> str:
     """Return the lines that ``sha256sum --check`` reads, of the contents of files by name."""
-    return "".join(f"{hashlib.sha256(contents[one]).hexdigest()}  {one}\n" for one in contents)
+    return "".join(f"{hashlib.sha256(contents[name]).hexdigest()}  {name}\n" for name in contents)
 
 
 def values_of(answer: Answered, name: str, x: ArrayLike, t: ArrayLike) -> Array:
@@ -211,7 +211,7 @@ def table_of(sheet: Sheet) -> str:
     table.writerow(["t", "x", *fields])
     for place, x in enumerate(sheet.stations):
         for level, t in enumerate(sheet.times):
-            values = [float(one[level, place]) for one in fields.values()]
+            values = [float(field[level, place]) for field in fields.values()]
             if not sheet.is_marched:  # what is nothing but rounding is written as 0
                 values = [round(value, digits + 2) + 0.0 for value in values]
             table.writerow([f"{t:.10g}", f"{x:g}", *(f"{value:.{digits}g}" for value in values)])

@@ -127,7 +127,7 @@ def _classes(sheet: Sheet) -> Iterator[str]:
     yield markdown_table(
         ("", *"ABC"),
         [
-            (name.replace("_", " "), *(f"{one:.2g}" for one in row))
+            (name.replace("_", " "), *(f"{number:.2g}" for number in row))
             for name, row in sheet.classes.items()
         ],
     )

@@ -130,9 +130,9 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     A run without a station of the sheet between 0 and T is refused by a DataFileError.
     """
     answer, end = answers.answer_to(sheet), sheet.end_time
-    near = [one for one in records.stations if _near(sheet, one.x).any()]
-    kept = [one.taken((one.t > 0) & (one.t <= end * (1 + NOTHING))) for one in near]
-    known = [replace(one, t=np.minimum(one.t, end)) for one in kept if len(one.t) > 1]
+    near = [station for station in records.stations if _near(sheet, station.x).any()]
+    kept = [record.taken((record.t > 0) & (record.t <= end * (1 + NOTHING))) for record in near]
+    known = [replace(record, t=np.minimum(record.t, end)) for record in kept if len(record.t) > 1]
     if not known:
         places = ", ".join(f"{x:g}" for x in sheet.stations)
         raise DataFileError(
@@ -144,7 +144,7 @@ def score(sheet: Sheet, records: Records) -> tuple[Score, ...]:
     notes = (*records.notes, *not_read(records.unread))
     left = {
         "stations that the sheet does not have": len(records.stations) - len(near),
-        "times beyond T": sum(int(np.sum(one.t > end * (1 + NOTHING))) for one in near),
+        "times beyond T": sum(int(np.sum(record.t > end * (1 + NOTHING))) for record in near),
     }
     notes += tuple(f"{count} {what} are left out" for what, count in left.items() if count)
     step = records.stated.step or 0.0
@@ -174,12 +174,12 @@ def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
 def _held(sheet: Sheet, stations: Iterable[Record], name: str) -> float:
     """Part of the stations and times of a sheet that a run holds; gaps are not."""
     shares = np.zeros(len(sheet.stations))
-    for one in stations:
-        if name in one.values:
-            steps, known = np.diff(one.t, prepend=0.0), np.isfinite(one.values[name])
+    for station in stations:
+        if name in station.values:
+            steps, known = np.diff(station.t, prepend=0.0), np.isfinite(station.values[name])
             held = known & np.append(True, known[:-1])
             held &= steps <= sheet.end_time * LONGEST_STEP * (1 + NOTHING)
-            shares[_near(sheet, one.x)] = steps[held].sum() / sheet.end_time
+            shares[_near(sheet, station.x)] = steps[held].sum() / sheet.end_time
     return float(shares.mean())
 
 
@@ -189,12 +189,12 @@ def _arrival_error(sheet: Sheet, answer: answers.Answered, stations: Iterable[Re
     Where slip begins at once, as in the middle of a patch, nothing is timed.
     """
     errors, name = [], answers.arrival_quantity(sheet)
-    for one in stations:
-        if name not in one.values:
+    for station in stations:
+        if name not in station.values:
             return math.nan
-        end = float(one.t[-1])
-        at = min(answers.first_crossing(sheet, one.t, one.values[name]), end)
-        exact = min(answers.arrival_time(sheet, answer, one.x), end)
+        end = float(station.t[-1])
+        at = min(answers.first_crossing(sheet, station.t, station.values[name]), end)
+        exact = min(answers.arrival_time(sheet, answer, station.x), end)
         if exact > 0 and min(at, exact) < end:
             errors.append((at - exact) / sheet.end_time)
     return float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan
@@ -209,9 +209,9 @@ def _relative_error(
     scene = _slot_in_one_solid(sheet)
     scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
     size = scale(scene) if scene else 1.0
-    for one in stations:
+    for station in stations:
         step = step if name == "slip_rate" else 0.0
-        t, values, exact = _both(answer, one, name, step)
+        t, values, exact = _both(answer, station, name, step)
         known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is not
         if known.sum() > 1:
             t, values, exact = t[known], values[known], exact[known]
@@ -243,6 +243,6 @@ def _both(
     t, exact = record.t, answers.values_of(answer, name, record.x, record.t)
     if step:
         ends = np.minimum(t + step, 1.0)  # a march ends at T
-        slips = [answers.values_of(answer, "slip", record.x, one) for one in (t, ends)]
+        slips = [answers.values_of(answer, "slip", record.x, times) for times in (t, ends)]
         exact = np.divide(slips[1] - slips[0], ends - t, out=exact, where=ends > t)
     return t, values, exact

@@ -24,7 +24,8 @@ from semianalytic.methods import chosen
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
 from semianalytic.scene.given.files import scene_of_file
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_LINES
+from semianalytic.scene.tables.text import text_of
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Distances of the stations from the contact edge, over c_t T."""
@@ -160,13 +161,14 @@ def sheets() -> Mapping[str, Sheet]:
     found = {}
     for name, given in described.items():
         values: dict[str, Any] = {
-            key: tuple(one) if isinstance(one, list) else one for key, one in given.items()
+            key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
         }
         bounds = classes.get(name, {}).items()
         values["classes"] = {quantity: tuple(row) for quantity, row in bounds}
         values["statement"] = given.get("statement", STATEMENT).format(**phrases)
         interface = given.get("interface", "")
-        values["interface"] = NAMED_LINES.get(interface, interface)
+        named = NAMED_LINES.get(interface)
+        values["interface"] = text_of(named) if named else interface
         found[name] = Sheet(name, **values)
     return found
 

@@ -50,8 +50,8 @@ def by_scene(points: Sequence[Point]) -> dict[str, dict[str, list[Point]]]:
 
 def slope(points: Sequence[Point]) -> float:
     """Return the `Found.slope` of points."""
-    known = [one for one in points if one.error > one.reference_error]
-    time, error = np.log([(one.seconds, one.error) for one in known] or [(1.0, 1.0)]).T
+    known = [point for point in points if point.error > point.reference_error]
+    time, error = np.log([(point.seconds, point.error) for point in known] or [(1.0, 1.0)]).T
     if np.ptp(time) < math.log(3):
         return math.nan
     return float(np.polyfit(time - time.mean(), error, 1)[0])
@@ -62,10 +62,10 @@ def findings(points: Sequence[Point]) -> list[Found]:
     found = []
     for label, methods in by_scene(points).items():
         for name, group in methods.items():
-            known = [one for one in group if one.runs]
-            good = [one.seconds for one in known if one.error <= 0.01]
-            first = min(known, key=lambda one: one.seconds, default=group[0])
-            least = min((one.error for one in known), default=math.nan)
+            known = [point for point in group if point.runs]
+            good = [point.seconds for point in known if point.error <= 0.01]
+            first = min(known, key=lambda point: point.seconds, default=group[0])
+            least = min((point.error for point in known), default=math.nan)
             ends = first.seconds, first.error, least, min(good, default=math.nan)
             found.append(Found(label, METHODS[name].label, *ends, slope(known)))
     return found
@@ -73,8 +73,8 @@ def findings(points: Sequence[Point]) -> list[Found]:
 
 def judged_by(points: Sequence[Point], label: str) -> str:
     """Say what the reference of a scene is, how uncertain, and which other method confirms it."""
-    (one, *_), *_ = by_scene(points)[label].values()
-    own = one.reference.partition(",")[0]
+    (point, *_), *_ = by_scene(points)[label].values()
+    own = point.reference.partition(",")[0]
     others = [
         f"{found.method} to {found.least_error:.0e}"
         for found in findings(points)
@@ -82,7 +82,7 @@ def judged_by(points: Sequence[Point], label: str) -> str:
     ]
     confirmed = f"agrees with {' and '.join(others)}" if others else "no other method judges it"
     return (
-        f"Reference: {one.reference}, uncertain by {one.reference_error:.0e}; "
+        f"Reference: {point.reference}, uncertain by {point.reference_error:.0e}; "
         f"it judges its own method, and {confirmed}."
     )
 
@@ -95,8 +95,8 @@ def chart_figure(points: Sequence[Point], label: str) -> Figure:
     than a third of that.  Hollow points are of answers that call themselves inaccurate.
     """
     methods = by_scene(points)[label]
-    (one, *_), *_ = methods.values()
-    quantity, bar = one.quantity.replace("_", " "), one.reference_error
+    (point, *_), *_ = methods.values()
+    quantity, bar = point.quantity.replace("_", " "), point.reference_error
     figure = style.new_figure(7.2, 5.4)
     panel = figure.subplots()
     for name, group in methods.items():
@@ -117,7 +117,7 @@ def chart_figure(points: Sequence[Point], label: str) -> Figure:
     panel.axhspan(low, bar, fc="none", ec=pale, hatch="//", lw=0, zorder=0, label=words)
     panel.set_ylim(low)
     panel.grid(True, which="major", color=pale, linewidth=0.6)
-    facts = f"{style.scene_words(find_problem(one.scene).scene)}\n{judged_by(points, label)}"
+    facts = f"{style.scene_words(find_problem(point.scene).scene)}\n{judged_by(points, label)}"
     panel.set_title(facts.replace("; ", ";\n"), size=style.SMALL, color=style.ink(0.75), wrap=True)
     figure.suptitle(f"{label}: error of the {quantity} against computing time")
     figure.legend(loc="outside lower left", frameon=False)
@@ -138,9 +138,9 @@ def described(points: Sequence[Point]) -> Iterator[PrintedTable | str]:
     table = PrintedTable("scene", "method", title="Relative error against processor time")
     for name in ("cheapest [s]", "its error", "least error", "1 % in [s]", "slope"):
         table.add_column(name, justify="right")
-    for one in findings(points):
-        words = [f"{number:.2g}" for number in astuple(one)[2:]]
-        table.add_row(one.scene, one.method, *("—" if word == "nan" else word for word in words))
+    for row in findings(points):
+        words = [f"{number:.2g}" for number in astuple(row)[2:]]
+        table.add_row(row.scene, row.method, *("—" if word == "nan" else word for word in words))
     yield table
     for label in by_scene(points):
         yield f"{label}. {judged_by(points, label)}"
@@ -151,7 +151,7 @@ def chart_document(points: Sequence[Point]) -> dict[str, Any]:
     """Return all points and findings as plain dictionaries with units, for JSON."""
     return {
         "points": [asdict(point) for point in points],
-        "found": [asdict(one) for one in findings(points)],
+        "found": [asdict(finding) for finding in findings(points)],
         "units": {
             "points": {"end_time": "time", "seconds": "s", "error": "1", "reference_error": "1"},
             "found": {"cheapest": "s", "seconds_to_percent": "s", "slope": "1"},

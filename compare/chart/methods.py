@@ -131,10 +131,14 @@ class ChartedMethod:
 
 METHODS: Mapping[str, ChartedMethod] = {
     "exact": ChartedMethod(
-        "exact solver", "rtol {}", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), exact, lambda one: one.is_exact
+        "exact solver",
+        "rtol {}",
+        (1e-2, 1e-4, 1e-6, 1e-8, 1e-10),
+        exact,
+        lambda task: task.is_exact,
     ),
     "march": ChartedMethod(
-        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda one: one.is_alike
+        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda task: task.is_alike
     ),
     "fem": ChartedMethod(
         "finite elements", "{} elements per $c_t T$", (25, 50, 100, 200), _finite_elements

@@ -85,7 +85,7 @@ def reference_of(problem: Problem) -> tuple[str, Array, float]:
             continue
         if is_exact:
             return quantity, values, max(problem.finest, float(answer.error_estimate))
-        bars = answer.error_of(lambda one, name=quantity: problem.reading(one, name))
+        bars = answer.error_of(lambda own, name=quantity: problem.reading(own, name))
         return quantity, values, relative_error(values + bars, values, problem.places, 1)
     raise SceneError(
         f"Nothing of {problem.label} slips until t = {problem.end_time:g}, so that slip has no "
@@ -135,11 +135,13 @@ def measure_all(
     labels = {problem.label for problem in problems}
     if len(labels) < len(problems):
         raise SceneError("Two scenes have the same name; give each its own --output folder.")
-    planned: dict[Key, Problem] = {(one.label, *at): one for one in problems for at in one.tasks}
+    planned: dict[Key, Problem] = {
+        (task.label, *at): task for task in problems for at in task.tasks
+    }
     here, stored = this_machine(), read_points(directory / FILE)
     others = [point for point in stored if point.key[0] not in labels]
-    done = {one.key: one for one in stored if not fresh and _counts(one, planned, here)}
-    scenes = [*dict.fromkeys(one.scene for one in others), *(one.source for one in problems)]
+    done = {point.key: point for point in stored if not fresh and _counts(point, planned, here)}
+    scenes = [*dict.fromkeys(point.scene for point in others), *(task.source for task in problems)]
     options = ["--output", str(directory), *(["--end-time", str(until)] if until else [])]
     command = f"{COMMAND} {shlex.join([*scenes, *options])}"
     reference = cache(reference_of)
@@ -149,7 +151,7 @@ def measure_all(
         if tell is not None and key == missing[0]:
             tell(f"{len(missing)} points to measure, {len(done)} are there.")
         done[key] = _measured(planned[key], key, truth, here)
-        points = [*others, *(done[one] for one in planned if one in done)]
+        points = [*others, *(done[key] for key in planned if key in done)]
         write_rows(directory / FILE, points, checked=True, command=command)
         if progress is not None:
             progress(len(done), len(planned))

@@ -8,7 +8,7 @@ first change is taken to be small by chance, and a part of the second one replac
 a sequence that does not converge is `RANGE` times the range that it covers.
 
 The constants were measured on 160 drawn scenes, 50 of maps around two named ones and 24 named ones,
-then on 206 more at the mesh of the command; none is among those of the trial (docs/judge.md).
+then on 206 more at the mesh of the command; none is among those of the trial.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from dataclasses import dataclass, replace
 
 LEAST_ORDER = 0.5
 """Lowest order at which readings of fields with jumps converge; below it, bars would grow without
-limit.  Of the rows measured, 1 % changed with a lower order; a limit of 1 would have made it
+limit.  1 % of the rows measured changed with a lower order; a limit of 1 would have made it
 10 %."""
 LARGEST_ORDER = 1.25
 """Highest order of convergence that is believed.  Errors, above all those of slip, fall faster at
 first than later, and motion at kinks and jumps does not converge with the order of the scheme, 2.
-Of 2,800 rows of 144 scenes, one was beyond 1.5 bars and twelve beyond one bar with a limit of 1.36;
-with 1.17, none and two."""
+Among 2,800 rows of 144 scenes one was beyond 1.5 bars and twelve beyond one bar with a limit of
+1.36; with 1.17, none and two."""
 SAFETY = 1.25
 """Safety factor of the bar of a converging sequence.  97 % of the rows were within their bar and
 none was beyond 1.5 bars, except where no mesh showed the feature; with half this factor, one in six

@@ -38,10 +38,10 @@ FIELDS = ("slip_rate", "slip", "shear_traction", "pressure", "gap")
 LEAST_PEAK = 1e-4
 """Least value of the peaks to which thresholds are relative, over V₀ or, for gaps, V₀ T."""
 MOST_NODES = 0.75
-"""Part of the slipping nodes that have at most the roughness which tells growing waves, so that one
-wrong node does not.  Halving the elements takes it to 0.25 to 0.75 of its value where answers were
-within their bars, and to 1.3 to 3 times that where they were not; it was chosen on six drawn pairs
-and four named scenes, and has not been tried on others."""
+"""Part of the slipping nodes that have at most the roughness from which growing waves follow, so
+that one wrong node does not.  Halving the elements takes it to 0.25 to 0.75 of its value where
+answers were within their bars, and to 1.3 to 3 times that where they were not; it was chosen on six
+drawn pairs and four named scenes, and has not been tried on others."""
 EDGE_CELLS = 4
 """Number of elements next to the edge that are left out where fields can be singular."""
 
@@ -68,7 +68,7 @@ class Case:
     early: ClassVar = 0.2
     """Initial part of the run, over the end time, that is left out because little is resolved."""
     beside_motion: ClassVar = math.inf
-    """How many times as much it may be beside ends of slip or of openings."""
+    """How many times as much it may be next to ends of slip or of openings."""
 
     @cached_property
     def worn_at_nodes(self) -> tuple[Array, Array]:
@@ -231,8 +231,8 @@ class Case:
 
     @cached_property
     def narrow_gaps(self) -> Mask:
-        """Nodes and times at which no slip is predicted, in gaps between zones that hold fewer than
-        `UNSEEN` nodes, (m, n)."""
+        """Nodes and times at which no slip is predicted, in gaps between zones that contain fewer
+        than `UNSEEN` nodes, (m, n)."""
         slips = np.abs(self.at_nodes.slip_rate) > NOTHING * self.rate
         beside = np.pad(slips, ((0, 0), (1, 1)), constant_values=False)
         inner = np.logical_and(

@@ -40,13 +40,13 @@ if TYPE_CHECKING:  # a solution is printed without what marches
 WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 Dimensions = Mapping[str, Any]
-"""Dimension of each number of a document, under the same names; a single one holds for all numbers
-below it."""
+"""Dimension of each number of a document, under the same names; a single one applies to all
+numbers below it."""
 
 
 def _dimensions(parameters: Mapping[str, Any]) -> Dimensions:
     """Return the dimensions of the parameters that have one."""
-    return {name: one.dimension for name, one in parameters.items() if one.dimension}
+    return {name: entry.dimension for name, entry in parameters.items() if entry.dimension}
 
 
 def _dimensions_of(field: str) -> Callable[[Scene], Dimensions]:

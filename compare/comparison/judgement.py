@@ -43,7 +43,7 @@ class Judgement(HasRows[Row]):
         Prediction and simulation, side by side.
     rows : tuple of Row
     fields : FieldErrors or None
-        Errors of the field snapshots against the prediction; `rows` holds those of the last one.
+        Errors of the field snapshots against the prediction; `rows` has those of the last one.
     """
 
     case: Case
@@ -94,7 +94,7 @@ def judge(
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
-    The prediction may be of another scene; the judge is tested in this way (docs/judge.md).
+    The prediction may be of another scene; the judge is tested in this way.
 
     Parameters
     ----------

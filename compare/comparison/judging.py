@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 
 LEAST_ERROR = 2e-4
 """Relative error of a field below which no mesh difference is believed.  Where all meshes slide at
-the same frictional traction, they differ only at a node beside a front.  Of the rows measured,
+the same frictional traction, they differ only at a node next to a front.  Among the rows measured,
 those of pressure and slip that are this close to the prediction are up to 5 times as far from it as
 meshes change; with half this value none was beyond 1.5 bars."""
 
@@ -175,7 +175,7 @@ def field_row(
     finest = range(len(case.runs))[:2]
     largest = [float(np.abs(at(number, number)).max(initial=0.0)) for number in finest]
     if largest[0] > case.nothing(kind) >= largest[-1]:
-        most = 0  # a mesh on which nothing moves does not tell how fast
+        most = 0  # a mesh on which nothing moves gives no speed
     for pair in pairwise(range(min(len(case.runs), most + 1))):
         of, to = pair[::-1] if smooth else pair
         change = np.abs(at(of, of) - at(to, of))
@@ -288,7 +288,7 @@ def judged(
         return held
     if row.verdict == UNRESOLVED:
         return replace(row, obstacle=BY_LITTLE.format(row.alarm), resolution=finer)
-    # what is nothing at the nodes has no size that a bar could be held against
+    # what is nothing at the nodes has no size to compare a bar with
     if row.verdict == AGREES and row.size > NOTHING and row.bar > TELLING * row.size:
         growth = row.bar / (TELLING * row.size)
         return replace(row, obstacle=WIDE, resolution=math.ceil(growth * finer / 2))

@@ -18,11 +18,11 @@ ROUNDING = 1e-9
 about 1e-16, and the distance of nodes and levels is at least 1e-5 of the largest."""
 NARROW = 8
 """Least width, in elements, of a zone, an opening or a gap between zones whose ends are judged; the
-mesh at 2h, from which error bars come, has half as many.  Of 60 gaps measured, all but one of those
-of up to 4.0 elements were bridged by slip, and none of those of 5.7 or more; zones of 5.0 elements
-were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two of the
-50 scenes of the maps were said to differ; with 16, the default mesh tells nothing of `preloaded`'s
-second zone."""
+mesh at 2h, from which error bars come, has half as many.  Among 60 gaps measured all but one of
+those of up to 4.0 elements were bridged by slip, and none of those of 5.7 or more; zones of 5.0
+elements were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two
+of the 50 scenes of the maps were said to differ; with 16, the default mesh resolves nothing of
+`preloaded`'s second zone."""
 SENSE_THRESHOLD = 0.01
 """Part of the largest slip rate above which slip has a sense."""
 PROBES = (0.04, 0.25, 0.5, 0.75)
@@ -71,7 +71,7 @@ def relative_error(
 def is_nothing(values: Array, unit: float) -> bool:
     """Whether a whole field is within 1e-6 of its unit, so that relative errors mean nothing.
 
-    This also holds for an empty array.
+    An empty array is nothing.
     """
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
 

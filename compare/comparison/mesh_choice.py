@@ -84,7 +84,7 @@ class Unseen:
     def toll(self) -> str:
         """Time and memory that the feature would take, in words."""
         return toll(self.seconds, self.memory) + (
-            "" if self.meshable else ", more than a mesh may hold"
+            "" if self.meshable else ", more than a mesh may have"
         )
 
 
@@ -260,7 +260,7 @@ def choose_mesh(
         resolution, reason = _chosen(features + bars, least, affordable, spend=budget is not None)
     prices.checked(resolution)  # raises if a given one cannot be simulated
     bare = replace(prices, snapshots=False)
-    unresolved = tuple(bare.unseen(one) for one in features if one.resolution > resolution)
+    unresolved = tuple(bare.unseen(part) for part in features if part.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
     seconds, taken = prices.here(resolution)
     seconds += prices.pace * prices.comparing(resolution)
@@ -293,7 +293,7 @@ def duration(seconds: float) -> str:
 def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
     """Slip zones, openings and gaps between two zones of one sense of a self-similar prediction.
 
-    Two zones of opposite sense, or with an opening in between, are told apart without a gap.
+    Two zones of opposite sense, or with an opening in between, are distinct without a gap.
     """
     if prediction is None or not prediction.scene.is_self_similar:
         return
@@ -340,7 +340,7 @@ def _loads(scene: Scene, end_time: float) -> dict[str, int]:
 
 
 def _limits(prices: Prices, budget: float | None, memory: float | None) -> Callable[[int], bool]:
-    """Return a function that tells whether a resolution is within budget and memory."""
+    """Return a function that says whether a resolution is within budget and memory."""
     room = memory_limit(memory) * (SPARE if memory is None else 1)
     if budget is None:
         known = (DEFAULT_BUDGET, prices.at(USUAL)[0], prices.at(LEAST)[0])

@@ -131,7 +131,7 @@ _STYLE = (
     "display:block}td,th{padding:.1em .6em;text-align:left}caption{text-align:left}"
 )
 _IMAGES = {"png": "png", "svg": "svg+xml"}
-"""Formats of figures that a page holds, as types of media; it links to others."""
+"""Formats of figures that a page contains, as types of media; it links to others."""
 
 
 def write_page(judgement: Judgement, label: str, path: Path, figures: Sequence[Path] = ()) -> None:
@@ -159,7 +159,7 @@ def write_page(judgement: Judgement, label: str, path: Path, figures: Sequence[P
 
 
 def _picture(figure: Path) -> str:
-    """Return a figure for a page, which holds all of it unless its format is for paper."""
+    """Return a figure for a page, which contains all of it unless its format is for paper."""
     name, kind = escape(figure.name), _IMAGES.get(figure.suffix.removeprefix("."))
     if kind is None:
         return f'<p><a href="{name}">{name}</a></p>'

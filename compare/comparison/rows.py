@@ -22,10 +22,10 @@ BASIC = (*MOTION, *REST, *EDGES)
 WIDE = 0.1
 """Largest bar, as a part of the value compared, with which a row is said to agree and no more."""
 ALARM = 1.4
-"""Number of error bars beyond which a row differs.  Of the rows of right answers to 500 scenes that
+"""Number of error bars beyond which a row differs.  Among rows of right answers to 500 scenes that
 meshes can decide, none lay between 1.31 and 1.83 bars; the one beyond and `auxetic`, at 1.42, had
-bars that were too narrow and are mended (docs/judge.md).  Half of this value would condemn right
-answers; with twice its value a mistake of 2.5 bars would be missed more often than not."""
+bars that were too narrow and are mended.  Half of this value would condemn right answers; with
+twice its value a mistake of 2.5 bars would be missed more often than not."""
 
 
 BEYOND = "it is beyond its error bar, but "
@@ -131,7 +131,7 @@ class Row:
 
     @property
     def said(self) -> str:
-        """The verdict, with the bar beside it if that is wide."""
+        """The verdict, followed by the bar if that is wide."""
         wide = self.verdict == AGREES and self.width > WIDE
         return f"{self.verdict} {self.shown_width}" if wide else self.verdict
 
@@ -173,7 +173,7 @@ class HasRows(Generic[AnyRow]):
     rows: tuple[AnyRow, ...]
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{count} {one}" for one, count in self.counts.items() if count)
+        found = ", ".join(f"{count} {verdict}" for verdict, count in self.counts.items() if count)
         return f"<{type(self).__name__}: {self.said}; rows: {found}>"
 
     def having(self, verdict: str) -> tuple[AnyRow, ...]:
@@ -188,7 +188,7 @@ class HasRows(Generic[AnyRow]):
     @property
     def basis(self) -> tuple[str, ...]:
         """Kinds of rows that decide: those of tractions where nothing moves, or slips on so few
-        nodes that no row of slip has a bar that tells; else those of motion."""
+        nodes that no row of slip has a significant bar; else those of motion."""
         motion = [row for row in self.rows if row.kind in MOTION and row.size]
         motion = [row for row in motion if row.bar is not None or row.kind == "gap"]
         tells = any(r.verdict == AGREES or not r.converges or r.width <= TELLING for r in motion)
@@ -209,7 +209,7 @@ class HasRows(Generic[AnyRow]):
         if self.having(DIFFERS):
             return DIFFERS
         deciding = [row for row in self.rows if row.kind in self.basis]
-        # the pressure of a right simulation converges: it did in all 500 scenes of docs/judge.md
+        # the pressure of a right simulation converges: it did in all 500 scenes drawn
         pressed = [row for row in self.rows if row.kind == "pressure"]
         if not all(row.converges for row in (*deciding, *pressed)):
             return UNRESOLVED
@@ -220,7 +220,7 @@ class HasRows(Generic[AnyRow]):
         verdicts = [row.verdict for row in deciding if row.size]
         if self.basis == REST and UNRESOLVED in verdicts:
             return UNRESOLVED
-        # tractions stand for slip that no mesh can tell only where they are known well
+        # tractions stand for slip that no mesh resolves only where they are known well
         if self.basis == REST and not self.rests and any(row.width > WIDE for row in deciding):
             return UNRESOLVED
         if self.rests and not verdicts:  # laws are all that is left to agree

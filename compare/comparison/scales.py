@@ -18,7 +18,7 @@ def stress_scale(scene: Scene) -> float:
     along = (scene.base,) if scene.on_line else (scene.superposition.taken_off, scene.base)
     for tractions in along:
         both = tractions.pressure, tractions.shear
-        largest = max((abs(one) for one in both if not callable(one)), default=0.0)
+        largest = max((abs(value) for value in both if not callable(value)), default=0.0)
         if largest > 0:
             return largest
     return 1.0
@@ -58,7 +58,7 @@ def wave_speeds(material: Material) -> dict[str, float]:
 def scene_fronts(scene: Scene) -> dict[str, float]:
     """Speeds of the signals of the upper body: in antiplane shear alone, only the S wave."""
     speeds = wave_speeds(scene.material)
-    return {name: one for name, one in speeds.items() if name == "S" or not scene.shears_alone}
+    return {name: speed for name, speed in speeds.items() if name == "S" or not scene.shears_alone}
 
 
 def contact_fronts(scene: Scene) -> dict[str, float]:

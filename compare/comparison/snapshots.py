@@ -42,7 +42,7 @@ def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Pat
         ) from error
     if run is not None and not index_run(folder) == run == frame_run(last):
         raise DataFileError(
-            f"the snapshots in {folder} are not of the simulation beside them but of another run; "
+            f"the snapshots in {folder} are not of its simulation but of another run; "
             "simulate again, or leave them out with --no-snapshots."
         )
     return entries

@@ -73,7 +73,7 @@ def moving_parts(fields: Fields, time: float) -> list[Moving]:
     slipping = [
         Moving(kind_of_slip(zone.sense), zone.start, zone.end) for zone in fields.zones_at(time)
     ]
-    return slipping + [Moving("open", one.start, one.end) for one in fields.openings_at(time)]
+    return slipping + [Moving("open", gap.start, gap.end) for gap in fields.openings_at(time)]
 
 
 def fronts(fields: Fields, time: float) -> Iterator[Front]:

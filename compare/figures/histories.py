@@ -34,9 +34,9 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     solution: Any = case.prediction
     if method_of(solution) == "self-similar":
         figures = {
-            "slip_rate": lambda one: slip_rate_figure(solution, one.seen),
-            "tractions": lambda one: tractions_figure(solution, one.seen),
-            "fronts": lambda one: fronts_figure(solution, one.seen),
+            "slip_rate": lambda case: slip_rate_figure(solution, case.seen),
+            "tractions": lambda case: tractions_figure(solution, case.seen),
+            "fronts": lambda case: fronts_figure(solution, case.seen),
         }
     if case.slips or case.opens:
         figures |= {"sense": sense_figure}

@@ -129,7 +129,7 @@ def fronts_figure(
     )
     for parts, words, line in lines:
         ends = (edge for part in parts for edge in (part.inner, part.outer))
-        for edge in (one for one in ends if 0 < one < np.inf):
+        for edge in (end for end in ends if 0 < end < np.inf):
             panel.plot(
                 [0, edge / speed],
                 [0, 1],
@@ -144,37 +144,6 @@ def fronts_figure(
         handle.set_path_effects(style.outline(around))
     panel.legend(handles=handles, loc="lower right")
     return _figure(panel)
-
-
-@style.styled
-def prediction_figure(solution: Exact, *, axes: tuple[Axes, ...] | None = None) -> Figure:
-    """Draw the semi-analytic answer alone: slip rate above, tractions and friction bound below.
-
-    If the contact opens, a third panel shows the gap.
-    """
-    scene = solution.scene
-    panels = axes or _new_panels(solution, (1, 1, *(1 for _ in solution.openings[:1])))
-    upper, lower = panels[:2]
-    unit, dense = scene.material.shear_speed, _speeds(solution)
-    for panel in panels:
-        _shade_zones(panel, solution)
-        style.mark_waves(panel, _fronts(solution), unit, labels=panel is upper)
-    rate = solution.slip_rate(dense, 1.0) / slip_rate_scale(scene)
-    upper.plot(dense / unit, rate, color=style.PREDICTION)
-    upper.set_ylabel(style.RATE_LABEL)
-    _legend(upper, solution)
-    shear = _draw_predicted_tractions(lower, solution, 1.0)
-    bound = style.line_handle(r"bound $\pm f p$", style.PREDICTION, ":")
-    handles = [style.line_handle("shear traction", style.PREDICTION), bound]
-    lower.legend(handles=handles, loc="best")
-    lower.set(ylabel=style.TRACTION_LABEL, xlim=(0, _right_end(solution)))
-    lower.set_ylim(_traction_limits(shear))
-    for panel in panels[2:]:
-        gap = solution.gap(dense, 1.0) / slip_rate_scale(scene)
-        panel.plot(dense / unit, gap, color=style.PREDICTION)
-        panel.set_ylabel(style.GAP_LABEL)
-    panels[-1].set_xlabel(style.SPEED_LABEL)
-    return _figure(upper)
 
 
 def _new_axes(solution: Exact) -> Axes:

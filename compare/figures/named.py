@@ -9,8 +9,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from compare.figures import style
-from compare.figures.interface import prediction_figure
-from semianalytic import Scene, Solution
+from semianalytic.results.plotting import scene_title
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.plugins import FIGURES, find_plugin, plugin_names
@@ -22,16 +21,14 @@ DEFAULT_FIGURE = "interface"
 
 @style.styled
 def answer_figure(answer: Any) -> Figure:
-    """Draw slip rate and tractions in one solid, or what `plot` draws of any other answer."""
-    if isinstance(answer, Solution):
-        return prediction_figure(answer)
+    """Draw what `plot` draws of an answer, in our style."""
     figure = style.new_figure(7, 4.7)
     mapped = getattr(answer, "interface", None) is not None
     panels = figure.subplots(1 if mapped else 2, sharex=True)
     answer.plot(ax=panels)
     for line in panels.lines if mapped else ():
         line.set_path_effects(style.outline())
-    return style.describe(figure, answer.scene) if isinstance(answer.scene, Scene) else figure
+    return style.describe(figure, scene_title(answer.scene))
 
 
 OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: answer_figure}

@@ -44,7 +44,7 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
     shown = _nearest(pairs[0].places, side * length)
     exact, seen = (
         np.linalg.norm(parts, axis=0)[shown] / slip_rate_scale(scene)
-        for parts in ([one.predicted for one in pairs], [one.simulated for one in pairs])
+        for parts in ([pair.predicted for pair in pairs], [pair.simulated for pair in pairs])
     )
     top = float(np.quantile(exact, COVERED)) or 1.0
     most = float(np.quantile(np.abs(seen - exact), COVERED)) or 1.0

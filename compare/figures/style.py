@@ -22,7 +22,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
-from semianalytic.results.plotting import scene_title
+from semianalytic.results import plotting
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import law_table
 from semianalytic.scene.loading import REMOTE
@@ -54,12 +54,7 @@ REGIME_COLOURS = {
     "failed": BLACK,
 }
 """Colours of regimes of slip (`semianalytic.regimes.regime`) in maps."""
-SHADES = {
-    "slip": (SKY, 0.3),
-    "stick": ("", 0.06),
-    "reverse slip": (VERMILLION, 0.18),
-    "open": (YELLOW, 0.45),
-}
+SHADES = {**plotting.SHADES, "stick": ("", 0.06)}
 """Shades of zones behind curves: a colour ("" for that of text) and its share in the mixture."""
 
 SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()} | {
@@ -112,8 +107,8 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 def _lines(figure: Figure) -> Iterator[Line2D]:
     """Yield the curves of a figure and those of its legends."""
-    legends = [*figure.legends, *(one for p in figure.axes if (one := p.get_legend()) is not None)]
-    yield from chain(*(panel.lines for panel in figure.axes), *(one.get_lines() for one in legends))
+    legends = [*figure.legends, *(key for p in figure.axes if (key := p.get_legend()) is not None)]
+    yield from chain(*(panel.lines for panel in figure.axes), *(key.get_lines() for key in legends))
 
 
 def cycle() -> list[str]:
@@ -135,7 +130,7 @@ def shade(kind: str) -> str:
 def _mixed(colour: str, part: float) -> str:
     """Mix a colour into that of the background; `part` is the share of the colour."""
     pairs = zip(to_rgb(colour), to_rgb(rcParams["axes.facecolor"]), strict=True)
-    red, green, blue = (part * one + (1 - part) * ground for one, ground in pairs)
+    red, green, blue = (part * value + (1 - part) * ground for value, ground in pairs)
     return to_hex((red, green, blue))
 
 
@@ -156,9 +151,9 @@ def scene_words(scene: Scene) -> str:
     with their sizes in SI scenes.
     """
     if scene.on_line:  # whose friction and tractions may vary along it
-        return scene_title(scene)
+        return plotting.scene_title(scene)
     law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
-    numbers = [f"{name} {one:.3g}" for name, one in law.items() if isinstance(one, float)]
+    numbers = [f"{name} {value:.3g}" for name, value in law.items() if isinstance(value, float)]
     kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
     mode = "antiplane shear,  " if scene.antiplane else ""
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""

@@ -34,8 +34,10 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
     if not zipfile.is_zipfile(path):
         return records_of_arrays(path, _fields(path), options)
     with zipfile.ZipFile(path) as file:
-        members = {one.filename.removesuffix(".npy"): one for one in file.infolist()[:MOST_FILES]}
-        heads = {name: _head(file, one) for name, one in members.items()}
+        members = {
+            info.filename.removesuffix(".npy"): info for info in file.infolist()[:MOST_FILES]
+        }
+        heads = {name: _head(file, member) for name, member in members.items()}
         wanted = _wanted(path, list(members), options)
         for name in wanted:
             _check_head(path, name, heads[name], members[name].file_size)
@@ -110,20 +112,20 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
         fields = file["interface"] if kind.startswith("run along a line") else file
-        sets = {name: one for name, one in fields.items() if isinstance(one, h5py.Dataset)}
+        sets = {name: field for name, field in fields.items() if isinstance(field, h5py.Dataset)}
         wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
         shapes = [sets[name].shape for name in wanted]
         if not wanted:  # then of all datasets, in groups as well
-            file.visititems(lambda _, one: shapes.append(getattr(one, "shape", None)))
+            file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None)))
         check_numbers(path, sum(math.prod(shape or (0,)) for shape in shapes))
         arrays = {
-            name: np.asarray(one) if name in wanted else _not_read(one.shape or ())
-            for name, one in sets.items()
+            name: np.asarray(data) if name in wanted else _not_read(data.shape or ())
+            for name, data in sets.items()
         }
-        named = {name: one.attrs["units"] for name, one in sets.items() if "units" in one.attrs}
+        named = {name: data.attrs["units"] for name, data in sets.items() if "units" in data.attrs}
         units = {
-            name: one.decode("utf-8", "replace") if isinstance(one, bytes) else str(one)
-            for name, one in named.items()
+            name: text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+            for name, text in named.items()
         }
     if kind == HISTORY:
         return of_history(path, InterfaceHistory.load(path))

@@ -85,7 +85,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
     data = _fortran_records(Path(stem + "_sem2d.dat"), int(points), int(count))
     initial = read_table(Path(stem + "_init_sem2d.tab"), 1).rows
     if len(names) != count or len(x) != points or len(initial) != points:
-        raise DataFileError(f"{path} and the files beside it are not of one run; write them anew.")
+        raise DataFileError(f"{path} and its other files are not of one run; write them anew.")
     columns = {SEM_FIELDS[name]: data[:, i] for i, name in enumerate(names) if name in SEM_FIELDS}
     for name, place in (("shear_traction", 0), ("pressure", 1)):
         if name in columns:

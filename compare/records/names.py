@@ -190,7 +190,7 @@ def known_columns(
 def unit_of(path: Path, line: int, where: str, text: str, kind: str) -> Unit | None:
     """The unit of a quantity in a column's name or a comment; None if it has none."""
     dimensions = dimensions_of(kind)
-    if any(names_no_unit(text, one) for one in dimensions):
+    if any(names_no_unit(text, dimension) for dimension in dimensions):
         return None
     size = known_size(text, dimensions)
     if size is None:
@@ -231,7 +231,7 @@ def _words(name: str) -> str:
 def not_read(unread: Sequence[str]) -> tuple[str, ...]:
     """Return the note on columns of unknown names; empty if there are none."""
     return (
-        (f"columns without a known name: {', '.join(one[:LONGEST] for one in unread)}",)
+        (f"columns without a known name: {', '.join(name[:LONGEST] for name in unread)}",)
         if unread
         else ()
     )

@@ -75,7 +75,7 @@ def station(
             f"{path} has no finite number at x = {x:g}; leave that station out, or write it anew."
         )
     notes += [f"{name} has no number at x = {x:g} and is left out there" for name in empty]
-    known = {name: one for name, one in noise.items() if one is not None}
+    known = {name: value for name, value in noise.items() if value is not None}
     return Record(float(x), t[order], kept, noise=known), notes
 
 
@@ -93,7 +93,7 @@ def _stations(
         )
     found = [station(path, *part) for part in parts]
     notes = dict.fromkeys(note for _, mended in found for note in mended)
-    return tuple(one for one, _ in found), list(notes)
+    return tuple(record for record, _ in found), list(notes)
 
 
 def stations_of_rows(path: Path, x: Array, t: Array, values: Mapping[str, Array]) -> Stations:

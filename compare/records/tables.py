@@ -82,13 +82,13 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
         for height in np.unique(y[np.isfinite(y) & _any_finite(fields, len(t))]):
             here = (y == height) & _any_finite(fields, len(t))
             some, mended = stations_of_rows(path, along[here], t[here], _rows_of(fields, here))
-            points += [replace(one, y=float(height)) for one in some]
+            points += [replace(point, y=float(height)) for point in some]
             notes += mended
         notes += _misplaced(y, values, fields)
         if not stations and not points:
             raise DataFileError(f"{path}: {'; '.join(_misplaced(y, values, fields))}.")
         spacing = _spacing(table, stated.units.get("x"))
-        points.sort(key=lambda one: (one.x, one.y))
+        points.sort(key=lambda point: (point.x, point.y))
         notes = list(dict.fromkeys(notes))
         parts = tuple(notes), spacing, stated, tuple(points), unread
         return Records(stations, None, source, *parts), False
@@ -99,10 +99,10 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     x, unit, how = _position(table, at, options.origin)
     if unit is not None:
         stated = replace(stated, units={**stated.units, "x": unit})
-    one, mended = station(path, x, columns["t"], values)
+    record, mended = station(path, x, columns["t"], values)
     spacing = _spacing(table, unit)
     notes += [*how, *mended]
-    return Records((one,), None, source, tuple(notes), spacing, stated, unread=unread), True
+    return Records((record,), None, source, tuple(notes), spacing, stated, unread=unread), True
 
 
 def _gauges(table: NamedColumns, names: Sequence[str], options: ReadingOptions) -> dict[str, int]:
@@ -136,8 +136,8 @@ def _records_of_gauges(
         quantity, x, y = options.gauges[gauge]
         unit = named_unit(table.path, names[place], quantity)
         values = table.rows[:, place] * (unit.size if unit else 1.0)
-        one, mended = station(table.path, x, t, {quantity: values})
-        (points if quantity in FIELDS else stations).append(replace(one, y=y, name=gauge))
+        record, mended = station(table.path, x, t, {quantity: values})
+        (points if quantity in FIELDS else stations).append(replace(record, y=y, name=gauge))
         notes += mended
     return Records(
         tuple(stations),
@@ -159,7 +159,7 @@ def _units_of_comments(table: NamedColumns, names: Sequence[str]) -> dict[str, s
         names[int(match[1]) - 1]: match[2]
         for match in found
         if 0 < int(match[1]) <= len(names)
-        and any(common_size(match[2].strip(), one) is not None for one in EXAMPLES)
+        and any(common_size(match[2].strip(), unit) is not None for unit in EXAMPLES)
     }
 
 
@@ -178,12 +178,12 @@ def _noise(columns: Mapping[str, Array], known: Columns, names: Iterable[str]) -
 
 def _any_finite(values: Mapping[str, Array], count: int) -> NDArray[np.bool_]:
     """Rows in which one quantity at least has a number."""
-    known = [np.isfinite(one) for name, one in values.items() if not name.startswith(NOISE)]
+    known = [np.isfinite(value) for name, value in values.items() if not name.startswith(NOISE)]
     return np.any([np.zeros(count, dtype=bool), *known], axis=0)
 
 
 def _rows_of(values: Mapping[str, Array], here: NDArray[np.bool_]) -> dict[str, Array]:
-    return {name: one[here] for name, one in values.items()}
+    return {name: value[here] for name, value in values.items()}
 
 
 def _misplaced(y: Array, values: Mapping[str, Array], fields: Mapping[str, Array]) -> list[str]:
@@ -193,8 +193,8 @@ def _misplaced(y: Array, values: Mapping[str, Array], fields: Mapping[str, Array
         (values, np.isfinite(y) & (y != 0), "is of the interface, where y is 0 or missing"),
         (fields, np.isnan(y), "is of points inside the bodies and needs its y"),
     ):
-        for name, one in named.items():
-            count = int(np.sum(there & np.isfinite(one)))
+        for name, column in named.items():
+            count = int(np.sum(there & np.isfinite(column)))
             if count and not name.startswith(NOISE):
                 notes.append(f"{name} {where}: {count} rows are left out")
     return notes
@@ -204,13 +204,13 @@ def joined(parts: list[Records]) -> Records:
     """Stations of one run, a file each, as one; DataFileError if two are at the same position."""
     stations: dict[float, tuple[Record, str]] = {}
     for part in parts:
-        for one in part.stations:
-            if one.x in stations:
+        for row in part.stations:
+            if row.x in stations:
                 raise DataFileError(
-                    f"{stations[one.x][1]} and {part.source} are both of the station x = {one.x:g};"
+                    f"{stations[row.x][1]} and {part.source} are both of the station x = {row.x:g};"
                     " say where each is, or put every run into a folder of its own."
                 )
-            stations[one.x] = one, part.source
+            stations[row.x] = row, part.source
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
     sources = ", ".join(part.source for part in parts)
     spacings = {part.spacing for part in parts}
@@ -323,7 +323,7 @@ def _never(x: Array, times: Array) -> NDArray[np.bool_]:
     """Which times of rupture say that there was none, whatever the code writes for that."""
     never = ~(times >= 0) | (times > NEVER)
     last = np.max(times[~never], initial=0.0)
-    known = last >= 1e3 and any(math.log10(last + one) % 1 == 0 for one in (0, 1))
+    known = last >= 1e3 and any(math.log10(last + step) % 1 == 0 for step in (0, 1))
     if known and last >= _FAR * np.max(times[~never & (times < last)], initial=0.0):
         never |= times == last
     # a rupture that begins at the edge does not reach a point before those nearer to it

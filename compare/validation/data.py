@@ -26,7 +26,7 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     sample, or t (m,), x (n,) or a number, and values (m, n) or (m,).  A DataFileError
     refuses no records, records of fewer than two times, and arrays that do not fit each other.
     """
-    runs = [_run(one) for one in (data if isinstance(data, Sequence) else [data])]
+    runs = [_run(run) for run in (data if isinstance(data, Sequence) else [data])]
     if not runs:
         raise DataFileError("validate: there are no records; give at least one run.")
     for run in runs:
@@ -35,7 +35,7 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
                 f"{run.source} holds points inside the bodies alone, which slipfront fit takes; "
                 "give records of the interface."
             )
-    for record in (one for run in runs for one in run.stations if len(one.t) < LEAST_TIMES):
+    for record in (place for run in runs for place in run.stations if len(place.t) < LEAST_TIMES):
         raise DataFileError(
             f"validate: the record at x = {record.x:g} has {len(record.t)} times; it takes "
             f"{LEAST_TIMES} at least."
@@ -53,5 +53,5 @@ def _run(data: object) -> Records:
             "validate: records must be Records, an InterfaceHistory or a mapping of arrays, got "
             f"{type(data).__name__}."
         )
-    arrays = {str(name): np.asarray(one) for name, one in data.items()}
+    arrays = {str(name): np.asarray(values) for name, values in data.items()}
     return records_of_arrays(Path("arrays"), arrays, ReadingOptions())

@@ -158,10 +158,10 @@ Columns = Mapping[str, WeighedColumn]
 def _columns_of(run: Records, exact: Exact, reading: Conversion) -> Columns:
     """The quantities of a file, whose positions and times are read by a reading."""
     speed, columns = exact.scene.material.longitudinal_speed, {}
-    records = [one.taken(slice(None, None, max(len(one.t) // SAMPLES, 1))) for one in run.stations]
+    records = [row.taken(slice(None, None, max(len(row.t) // SAMPLES, 1))) for row in run.stations]
     for name in QUANTITIES:
         parts = []
-        for record in (one for one in records if name in one.values):
+        for record in (candidate for candidate in records if name in candidate.values):
             x, t, values = reading.place(record), reading.times(record), record.values[name]
             weight = weights(t, values)
             if x <= speed * t[-1] and weight.any():
@@ -232,10 +232,10 @@ def _explains(
     )
 
 
-def _alike(one: Conversion, other: Conversion, columns: Columns) -> bool:
+def _alike(unit: Conversion, other: Conversion, columns: Columns) -> bool:
     """Whether two readings are the same in all that the answer has something to say of."""
     return all(
-        (one.factor(name), one.offset(name)) == (other.factor(name), other.offset(name))
+        (unit.factor(name), unit.offset(name)) == (other.factor(name), other.offset(name))
         or not column.tells(other.offset(name))
         for name, column in columns.items()
     )
@@ -255,9 +255,9 @@ def _hint(
         )
         return
     ratios = {
-        name: float(one.weight @ np.abs(reading.read(name, one.values))) / one.size(0.0)
-        for name, one in columns.items()
-        if as_given[name] >= LITTLE and one.tells()
+        name: float(column.weight @ np.abs(reading.read(name, column.values))) / column.size(0.0)
+        for name, column in columns.items()
+        if as_given[name] >= LITTLE and column.tells()
     }
     off = {n: r for n, r in ratios.items() if r > FAR_OFF or 0 < r < 1 / FAR_OFF}
     if off:
@@ -274,8 +274,8 @@ def _with_means(found: Detection, run: Records) -> Detection:
     read, exact = found.reading.apply(run), found.exact
     kinds = {kind: Sampling(kind) for kind in (POINT, BEFORE, AFTER)}
     errors = {}
-    for kind, one in kinds.items():
-        norms = [station_norm(record, "slip_rate", exact, one) for record in read.stations]
+    for kind, conversion in kinds.items():
+        norms = [station_norm(record, "slip_rate", exact, conversion) for record in read.stations]
         known = [norm for norm in norms if norm is not None]
         if known and (norm := pooled(known)).exact > 0:
             errors[kind] = norm.L1

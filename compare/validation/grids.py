@@ -178,7 +178,7 @@ def brief_part(
     Stretches that last longer than so many cells do not count.
     """
     t = record.t
-    rate, slip = (exact.record(one, record.x, t) for one in ("slip_rate", "slip"))
+    rate, slip = (exact.record(name, record.x, t) for name in ("slip_rate", "slip"))
     slips = np.abs(rate) > SLOW * exact.unit("slip_rate")
     edges = np.diff(slips.astype(int), prepend=0, append=0)
     grown = np.abs(np.diff(slip, prepend=slip[:1]))
@@ -189,8 +189,8 @@ def brief_part(
         lasts = exact.scene.material.shear_speed * float(t[last] - t[first])
         if lasts > longest * spacing:
             continue
-        one = min(spacing / lasts, 1.0) if lasts > 0 else 1.0
-        missed[start : last + 1] += grown[start : last + 1] * one * min(LONG * one, 1.0)
+        share = min(spacing / lasts, 1.0) if lasts > 0 else 1.0
+        missed[start : last + 1] += grown[start : last + 1] * share * min(LONG * share, 1.0)
     if name == "slip_rate":
         return float(missed.sum() / grown.sum()) if grown.any() else 0.0
     weight = weights(t, record.values["slip"])
@@ -216,14 +216,14 @@ def changes(grids: Grids, record: Record, name: str, exact: Exact) -> list[float
     values = [_seen(run, record, name) for run in grids.runs]
     expected = exact.record(name, record.x, record.t, grids.sampling)
     found: list[float] = []
-    for one, other in pairwise(values):
-        if one is None or other is None:
+    for fine, other in pairwise(values):
+        if fine is None or other is None:
             break
-        weight = weights(record.t, one - other)
+        weight = weights(record.t, fine - other)
         if not weight.any():
             break
         size = station_size(expected, weight, exact.unit(name))
-        found.append(float(weight @ np.nan_to_num(np.abs(one - other))) / size)
+        found.append(float(weight @ np.nan_to_num(np.abs(fine - other))) / size)
     return found
 
 
@@ -245,8 +245,8 @@ def grid_bar(grids: Grids, differences: Sequence[float]) -> tuple[float, float |
 def _seen(run: Records, record: Record, name: str) -> Array | None:
     """Interpolate a run at the station and times of a record of another run; None without it."""
     size = SAME_PLACE * max(abs(record.x), 1e-300)
-    same = [one for one in run.stations if abs(one.x - record.x) <= size]
+    same = [station for station in run.stations if abs(station.x - record.x) <= size]
     if not same or name not in same[0].values:
         return None
-    one = same[0]
-    return np.interp(record.t, one.t, one.values[name], left=np.nan, right=np.nan)
+    same_place = same[0]
+    return np.interp(record.t, same_place.t, same_place.values[name], left=np.nan, right=np.nan)

@@ -223,7 +223,7 @@ class Onset:
     def jitter(self, noise: float) -> float:
         """How far noise of a standard deviation [length / time] may move it [time]."""
         levels = (self.threshold - SCATTER * noise, self.threshold + SCATTER * noise)
-        return self._farthest(onset_time(self.t, self.rate, one) for one in levels if noise)
+        return self._farthest(onset_time(self.t, self.rate, level) for level in levels if noise)
 
     def _farthest(self, times: Iterable[float | None]) -> float:
         ends = (2 * self.end_time if time is None else time for time in times)
@@ -284,7 +284,7 @@ def _arrival_bar(grids: Grids, exact: Exact, onset: Onset, times: Sequence[float
     known = [time for time in times if time is not None]
     if not len(known) == len(times) > 1:
         return Bar(alone, data)
-    differences = [one - other for one, other in pairwise(known)]
+    differences = [value - other for value, other in pairwise(known)]
     bar, order = grid_bar(grids, [change / end for change in differences])
     return Bar(max(bar, alone or 0.0), data, order=order)
 

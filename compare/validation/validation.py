@@ -103,7 +103,7 @@ class Validation(HasRows[JudgedRow]):
     @property
     def not_compared(self) -> tuple[str, ...]:
         """Quantities that no file contains and the verdict does not cover."""
-        there = {name for run in self.grids.runs for one in run.stations for name in one.values}
+        there = {name for run in self.grids.runs for place in run.stations for name in place.values}
         return tuple(name for name in QUANTITIES if name not in there)
 
     @property
@@ -155,7 +155,7 @@ def validate(
         last if run.stated == runs[-1].stated else detect(run, scene, conventions) for run in runs
     ]
     reached = [
-        _in_reach(one.reading.apply(run), last) for one, run in zip(found, runs, strict=True)
+        _in_reach(kind.reading.apply(run), last) for kind, run in zip(found, runs, strict=True)
     ]
     sizes = _spacings(spacing, found, runs, conventions)
     noise = _noise(conventions, last, runs[-1])
@@ -218,14 +218,14 @@ def _spacings(
     least = 0.0 if conventions.noise else SMALLEST
     required = "be a number from 0" if least == 0 else "be positive, or 0 where noise is given"
     sizes = [
-        checked_number("validate: spacing", size, required, lambda one: one >= least)
+        checked_number("validate: spacing", size, required, lambda value: value >= least)
         for size in given
     ]
     return [
         size
         if isinstance(as_given, InSI)
-        else size * run.stated.size("x") * one.reading.factor("x")
-        for as_given, size, one, run in zip(given, sizes, found, runs, strict=True)
+        else size * run.stated.size("x") * detection.reading.factor("x")
+        for as_given, size, detection, run in zip(given, sizes, found, runs, strict=True)
     ]
 
 
@@ -270,5 +270,5 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         notes.append(f"{len(run.points)} records of points inside the bodies are not compared")
     if any(len(record.t) > MOST_SAMPLES for record in kept):
         notes.append(f"of stations of more than {MOST_SAMPLES} times evenly chosen ones are judged")
-    fewer = (one.taken(slice(None, None, -(-len(one.t) // MOST_SAMPLES))) for one in kept)
+    fewer = (record.taken(slice(None, None, -(-len(record.t) // MOST_SAMPLES))) for record in kept)
     return replace(run, stations=tuple(fewer)), tuple(notes)

@@ -29,8 +29,7 @@ from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.engine.run import Run
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.lines import NAMED_LINES
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.whole_line.drive import Drive
 

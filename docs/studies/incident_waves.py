@@ -20,7 +20,7 @@ from compare.figures.style import look
 SOLID, BASE = sf.Material(1.0, 1.0, 0.25), sf.Tractions(pressure=1.0, shear=0.0)
 WAVES = (sf.IncidentWave("P", -30.0, stress=1.0), sf.IncidentWave("SV", -30.0, stress=0.4))
 FRICTION, TIME, FAR = 0.2, 1.0, 2.1
-ANGLES, FRICTIONS = np.linspace(-80, 80, 33), np.linspace(0.02, 0.98, 25)
+ANGLES, FRICTIONS = np.linspace(-80, 80, 81), np.linspace(0.01, 0.99, 50)
 STATES = (
     "sticks",
     "edge slips",
@@ -52,7 +52,11 @@ def maps() -> Iterator[np.ndarray]:
 @look()
 def main(folder: Path) -> None:
     """Draw both waves and both maps."""
-    figure = Figure(figsize=(9, 8.4), layout="constrained")
+    figure = Figure(figsize=(9.6, 8.8), layout="constrained")
+    figure.suptitle(
+        "ν = 1/4, base pressure p, stress of the wave 1 p (P) or 0.4 p (SV), f = 0.2 above",
+        fontsize=10,
+    )
     above, below = figure.subplots(2, 2, height_ratios=(1.25, 1))
     middles = (np.arange(300) + 0.5) / 150 * FAR - FAR
     x, y = np.meshgrid(middles, middles)
@@ -60,23 +64,24 @@ def main(folder: Path) -> None:
     for panel, solution, wave in zip(above, solutions, WAVES, strict=True):
         speed = np.hypot(*solution.velocity(x, y, TIME))
         most = float(np.quantile(speed[np.isfinite(speed)], 0.995))
-        panel.imshow(
-            np.minimum(speed, most), extent=(-FAR, FAR, -FAR, FAR), origin="lower", cmap="viridis"
-        )
+        window = (-FAR, FAR, -FAR, FAR)
+        shown = np.minimum(speed, most)
+        image = panel.imshow(shown, extent=window, origin="lower", cmap="viridis", vmin=0)
+        figure.colorbar(image, ax=panel, label="particle speed / (p / ρ c_t)", shrink=0.8)
         for front in fronts(solution, TIME):
-            draw_front(panel, front, (-FAR, FAR, -FAR, FAR), "white", "black")
+            draw_front(panel, front, (-FAR, FAR, -FAR, 0.92 * FAR), "white", "black")
         handles = draw_interface(panel, solution, TIME)
         panel.set(xlim=(-FAR, FAR), ylim=(-FAR, FAR), xlabel="x / c_t t", ylabel="y / c_t t")
-        panel.set_title(f"{wave.kind} wave from below at {-wave.angle:.0f}°: particle speed")
-        panel.legend(handles=handles, loc="upper left", fontsize="x-small")
+        panel.set_title(f"{wave.kind} wave from below at {-wave.angle:.0f}°")
+        panel.legend(handles=handles, loc="lower left", fontsize="small")
     for panel, states, kind in zip(below, maps(), ("P wave", "SV wave"), strict=True):
         image = panel.pcolormesh(ANGLES, FRICTIONS, states, vmin=-0.5, vmax=4.5, cmap="Set2")
         image.set_cmap(image.get_cmap().resampled(5))
-        panel.set(xlabel="angle [degrees]", ylabel="friction")
+        panel.set(xlabel="angle of incidence [degrees]", ylabel="friction")
         panel.set_title(f"{kind}: what slips first")
         bar = figure.colorbar(image, ax=panel, ticks=range(5), location="bottom", aspect=40)
-        bar.ax.set_xticklabels([one.replace(" ", "\n", 1) for one in STATES], fontsize=6)
-    figure.savefig(folder / "incident_waves.png", dpi=100)
+        bar.ax.set_xticklabels([one.replace(" ", "\n", 1) for one in STATES], fontsize=7)
+    figure.savefig(folder / "incident_waves.png", dpi=120)
 
 
 if __name__ == "__main__":

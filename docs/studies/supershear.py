@@ -155,13 +155,13 @@ def transition_row(strength: float, farthest: float, coarse: int, fine: int) -> 
 
 def rupture_figure(rows: list[Row]) -> Figure:
     """Draw the speed of rupture fronts over S and distance, with the transition as a curve."""
-    words = "speed of spontaneous ruptures whose friction falls linearly with slip"
+    words = "Speed of spontaneous ruptures whose friction falls linearly with slip"
     mapped = {
         "x": "strength",
         "y": "distance",
         "value": "speed",
         "label": "speed of the front / $c_t$",
-        "style": {"vmin": 0.5, "vmax": SOLID.longitudinal_speed, "cmap": "viridis"},
+        "style": {"vmin": 0.5, "vmax": 1.75, "cmap": "viridis", "shading": "gouraud"},
         "xlabel": "$S$ = (peak strength $-$ shear) / (shear $-$ dynamic strength)",
         "ylabel": "distance from the centre / $L_c$",
     }

@@ -25,7 +25,7 @@ SAME_SHAPE = 1e-12
 
 @dataclass(frozen=True)
 class Shapes:
-    """Elements grouped by shape: integrals over one element hold for all of its shape.
+    """Elements grouped by shape: integrals over one element are those of all of its shape.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Space:
     @property
     def family(self) -> Family:
         """Element family."""
-        return next(one for one in FAMILIES.values() if isinstance(self.mesh, one.shape))
+        return next(family for family in FAMILIES.values() if isinstance(self.mesh, family.shape))
 
     @cached_property
     def basis(self) -> Basis:
@@ -208,7 +208,7 @@ def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
     so three scalar matrices are all that has to be integrated.
     """
     mu, bulk = _moduli(material)
-    dxx, dyy, dxy = (one.swapaxes(1, 2) for one in space.integrals[:3])
+    dxx, dyy, dxy = (integral.swapaxes(1, 2) for integral in space.integrals[:3])
     dyx, lame = dxy.swapaxes(1, 2), bulk - 2 * mu
     rows = [[bulk * dxx + mu * dyy, lame * dxy + mu * dyx]]
     rows += [[lame * dyx + mu * dxy, bulk * dyy + mu * dxx]]

@@ -1,7 +1,7 @@
-"""The place of the edge of a closed contact on a mesh: beside its first node, not at it.
+"""The place of the edge of a closed contact on a mesh: next to its first node, not at it.
 
-Displacement is held at the nodes n >= 0 of the interface and tractions are given at n < 0.  Far
-from the edge, the fields are those of a body whose edge is a fraction of h beside node 0.
+Displacement is fixed at the nodes n >= 0 of the interface and tractions are given at n < 0.  Far
+from the edge, the fields are those of a body whose edge is a fraction of h from node 0.
 That is a Wiener-Hopf problem with the static surface stiffness of the meshed half-plane,
 
     k(theta) = mu / (1 - nu) 2 sin(theta/2) g(theta),    theta = wave number times h,  g(0) = 1,
@@ -13,8 +13,7 @@ their logarithm.  In all
 
     x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
 
-In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3), which makes that -sqrt(2/3)/4
-(docs/antiplane.md).
+In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3), which makes that -sqrt(2/3)/4.
 
 So node 0 is laid at minus that, which puts the edge at x = 0.  Where tractions are given on both
 sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
@@ -53,7 +52,7 @@ def edge_offset(materials: Iterable[Material], held: int = 1) -> float:
     materials : iterable of Material
         Materials of the two blocks; each counts in proportion to its compliance.
     held : int
-        Component that the contact holds: 1 where it is closed, 0 where it is stuck, whose edge
+        Component that the contact fixes: 1 where it is closed, 0 where it is stuck, whose edge
         is elsewhere (0.40 h at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
     """
     bodies = list(materials)
@@ -65,7 +64,7 @@ def edge_offset(materials: Iterable[Material], held: int = 1) -> float:
 @lru_cache(maxsize=32)
 def _offset(material: Material, held: int) -> float:
     ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
-    components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)
+    components = next(pair for pair in (IN_PLANE, OUT_OF_PLANE) if held in pair)
     own = components.index(held)
     # the other component is free: one over its compliance
     stiffness = surface_stiffness(material, ANGLES, components)

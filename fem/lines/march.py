@@ -131,7 +131,7 @@ def build_line(line: Line, blocks: list[LineBlock], step: float, end_time: float
 
 
 def kick_tractions(tractions: Tractions, time: float) -> tuple[Array, Array]:
-    """Return the tractions of a kick; one at a jump has the mean of the values beside it.
+    """Return the tractions of a kick; one at a jump has the mean of the values on both sides.
 
     The kick at t = 0 stands for the time after it.
     """
@@ -153,9 +153,9 @@ def simulate_line(
 ) -> LineSimulation:
     """Simulate a periodic interface with finite elements and central differences.
 
-    Contact and friction hold exactly at every pair of nodes and every step, without a penalty
-    (docs/fem.md).  The blocks are so deep that nothing comes back from their far sides, or absorb
-    what comes there where one is far stiffer than the other.  Each block has its own damping.
+    Contact and friction are satisfied at every pair of nodes and every step, without a penalty.
+    The blocks are so deep that nothing comes back from their far sides, or absorb what comes there
+    where one is far stiffer than the other.  Each block has its own damping.
 
     Parameters
     ----------

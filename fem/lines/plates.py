@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import asdict
 from os import PathLike, fspath
 from typing import Any
@@ -13,7 +12,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_from_table, scene_from_document
 from semianalytic.scene.given.files import read_document, with_units
 from semianalytic.scene.given.finding import is_file
-from semianalytic.scene.given.lines import NAMED_SPECIMENS
+from semianalytic.scene.given.named import NAMED_SPECIMENS
 from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.material import Material
@@ -42,7 +41,7 @@ def find_specimen(source: object) -> Specimen | None:
     named = NAMED_SPECIMENS.get(source)
     if named is None and not is_file(source):
         return None
-    document = tomllib.loads(named) if named else read_document(source)
+    document = read_document(named or source)
     if "upper" not in document:
         return None
     try:

@@ -228,7 +228,7 @@ def check_pressure(scene: Scene) -> None:
 def contact_opens(scene: Scene) -> bool:
     """Return whether the contact opens: at its edge for P_0 < 0, else at the Rayleigh front.
 
-    There P_b + P_0 p*(c) < 0 (docs/separation.md, "The normal problem").
+    There P_b + P_0 p*(c) < 0.
     """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed

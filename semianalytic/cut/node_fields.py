@@ -1,7 +1,7 @@
 """Fields at the nodes of panels, and their differences between neighbouring sets of zones.
 
 Nodes move with the edges of the zones. At a node fields are analytic in a parameter, whatever their
-powers at the edges, and can be differenced there (docs/derivatives.md, "Fields").
+powers at the edges, and can be differenced there.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class NodeFields:
         """Return the fields of a profile, with an axis for k sets as `difference` has it."""
         panels = profile.panels
         integrals = profile.rate_integral, profile.traction_integral
-        parts = [one.density * panels.jacobian for one in integrals]
+        parts = [integral.density * panels.jacobian for integral in integrals]
         parts += [profile.rate_starts, profile.traction_starts, panels.ends.parts, panels.skew]
         parts += [*_of_powers(profile), profile.tail, np.asarray(profile.edge_intensity)]
         return cls(*parts)
@@ -96,13 +96,13 @@ class NodeFields:
 
     @property
     def _parts(self) -> list[Array]:
-        return [getattr(self, one.name) for one in fields(self)]
+        return [getattr(self, field.name) for field in fields(self)]
 
     @classmethod
     def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
         """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
         parts, count = [], len(stencil.weights)
-        fields_of = zip(*(one._parts for one in beside), strict=True)
+        fields_of = zip(*(profile._parts for profile in beside), strict=True)
         for every, axis in zip(fields_of, (1, 1, 1, 1, 2, 1, 1, 1, 0, 0), strict=True):
             values = np.stack(every, axis) if len(beside) > 1 else every[0]
             # Numbers that all sets share have no axis of sets, and their difference is 0.

@@ -1,7 +1,6 @@
 """Slip rate, slip and shear traction of given zones as functions of slowness, b = mu = 1.
 
-They are the integrals of the slopes of `zones` from the longitudinal front inward (docs/theory.md,
-"Slip under a step, for given zones").
+They are the integrals of the slopes of `zones` from the longitudinal front inward.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Shear and pressure on the slot are known from the fields of given zones.  Each of them moves the
 face along itself by the impedance of its mode, and across itself by the coupled response of the
-half-plane (docs/theory.md, "Slip under a step, for given zones").
+half-plane.
 """
 
 from __future__ import annotations

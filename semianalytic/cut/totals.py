@@ -41,17 +41,17 @@ def largest_slip_over_time(profile: Profile) -> float:
 def infinite_rates(profile: Profile) -> list[Power]:
     """Powers of `rate_integral` that are infinite at the right ends of closed panels.
 
-    They occur under a film where the contact opens slowly (docs/rate.md, "A film that opens").
+    They occur under a film where the contact opens slowly.
     """
     powers, is_open = profile.rate_integral.powers, profile.panels.layout.open
-    return [one for one in powers if not is_open[one.panel] and np.all(one.exponent < 0)]
+    return [power for power in powers if not is_open[power.panel] and np.all(power.exponent < 0)]
 
 
 def contact_integral(profile: Profile, weight: Array) -> float:
     """Return the integral of weight |V| over xi, of slip behind the first front; weight (p, n).
 
-    It is integrated by parts: V is unbounded at c, but its slope has a principal value there,
-    which the rule of the panels integrates (docs/solver.md, "Accuracy and cost").
+    It is integrated by parts: V is unbounded at c, but its slope has a principal value there, which
+    the rule of the panels integrates.
     """
     panels, rate, total = profile.panels, profile.rate_integral, 0.0
     # xi = 1 / v, so that |d xi| = dv / v^2.

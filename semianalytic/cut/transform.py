@@ -103,7 +103,7 @@ class GivenZones:
             front = factors.front_c
             # At c_R the phase of M / (M + eta) jumps by pi, so that panels under resistance end
             # there.
-            resists = any(lies_between(one.left, front, one.right) for one in self.zones)
+            resists = any(lies_between(zone.left, front, zone.right) for zone in self.zones)
             if opened is not None:
                 resists &= not lies_between(opened.zone.left, front, opened.zone.right)
             cuts += [front] if resists else []

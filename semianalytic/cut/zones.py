@@ -135,8 +135,8 @@ class ZoneFields(ZoneSlopes):
         panels, zone = self.panels, np.array(self.layout.zone)
         held = [
             int(np.flatnonzero(self.layout.slipping & (zone == index))[-1])
-            for index, one in enumerate(self.zones)
-            if one.held
+            for index, part in enumerate(self.zones)
+            if part.held
         ]
         every = sorted([*(panel for panel, _ in self.borders), *held])
         return tuple((panel, end) for panel in every if (end := panels.right[panel]) is not None)
@@ -156,8 +156,8 @@ class ZoneFields(ZoneSlopes):
             # Beside the border the slope is d^(eps - 1) on both sides, which no rule resolves for
             # small eps: its integral is taken in closed form.
             elif panel in exponents:
-                for one, at_left in ((panel, False), (panel + 1, True)):
-                    powers.append(split_power(panels, slope, one, at_left, exponents[panel]))
+                for end, at_left in ((panel, False), (panel + 1, True)):
+                    powers.append(split_power(panels, slope, end, at_left, exponents[panel]))
             result.append(PanelIntegral(panels, slope, self.factors.c, powers=tuple(powers)))
         return tuple(result)
 
@@ -271,7 +271,7 @@ class ZoneFields(ZoneSlopes):
 
         For each zone it is the traction less sense times strength where the zone opens (divided by
         the width of the stick gap ahead of it if that is narrow), and the slip rate that is left
-        where it heals. See docs/theory.md, "Where the edges are".
+        where it heals.
         """
         load, layout = self.load, self.layout
         integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)

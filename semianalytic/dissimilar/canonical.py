@@ -107,7 +107,7 @@ def glued(compliance: Compliance, tolerance: float) -> Glued:
     """Return the canonical matrix of two bodies to a tolerance; recent ones are kept."""
     digits = np.log(30.0 / max(tolerance, 3e-15))  # finer ones are rounding
     # The error is exp(-4.9 / h) + exp(-2 Y) times about 30, Y being the length of the curve:
-    # measured on the pairs of docs/dissimilar.md at h from 0.46 to 0.15.
+    # measured at h from 0.46 to 0.15.
     count = int(np.ceil(digits / 2.0 / (4.9 / digits)))
     spacing, m = digits / 2.0 / count, compliance.first
     y = spacing * np.arange(count + 1)

@@ -102,37 +102,37 @@ class Entries:
     @cached_property
     def normal(self) -> Complex:
         """A R_1 R_2."""
-        one, two = self.bodies
-        return np.asarray(one.normal * two.rayleigh + two.normal * one.rayleigh)
+        upper, lower = self.bodies
+        return np.asarray(upper.normal * lower.rayleigh + lower.normal * upper.rayleigh)
 
     @cached_property
     def tangential(self) -> Complex:
         """B R_1 R_2."""
-        one, two = self.bodies
-        return np.asarray(one.tangential * two.rayleigh + two.tangential * one.rayleigh)
+        upper, lower = self.bodies
+        return np.asarray(upper.tangential * lower.rayleigh + lower.tangential * upper.rayleigh)
 
     @cached_property
     def coupling(self) -> Complex:
         """k D R_1 R_2."""
-        one, two = self.bodies
-        difference = one.coupling * two.rayleigh - two.coupling * one.rayleigh
+        upper, lower = self.bodies
+        difference = upper.coupling * lower.rayleigh - lower.coupling * upper.rayleigh
         return np.asarray(self.slowness * difference)
 
     @cached_property
     def determinant(self) -> Complex:
         """(A B + k^2 D^2) R_1 R_2, which has no Rayleigh pole either."""
-        one, two = self.bodies
+        upper, lower = self.bodies
         # Products of one body's own entries are its determinant, in which its Rayleigh pole
         # cancels; D = D_1 - D_2 leaves -2 k^2 D_1 D_2 of the others.
-        mixed = one.normal * two.tangential + two.normal * one.tangential
-        own = one.determinant * two.rayleigh + two.determinant * one.rayleigh
-        return np.asarray(own + mixed - 2 * one.square * one.coupling * two.coupling)
+        mixed = upper.normal * lower.tangential + lower.normal * upper.tangential
+        own = upper.determinant * lower.rayleigh + lower.determinant * upper.rayleigh
+        return np.asarray(own + mixed - 2 * upper.square * upper.coupling * lower.coupling)
 
     @property
     def rayleigh(self) -> Complex:
         """R_1 R_2."""
-        one, two = self.bodies
-        return np.asarray(one.rayleigh * two.rayleigh)
+        upper, lower = self.bodies
+        return np.asarray(upper.rayleigh * lower.rayleigh)
 
     def frictional(self, friction: float | Complex) -> Complex:
         """Phi R_1 R_2 = (A + s f k D) R_1 R_2 of `friction` s f, s being the sense of slip."""
@@ -167,7 +167,7 @@ class Compliance:
     def contrast(self) -> float:
         """Largest relative difference of moduli and wave slownesses; 0 for identical bodies."""
         pairs = zip(vars(self.upper).values(), vars(self.lower).values(), strict=True)
-        return max(abs(one / other - 1) for one, other in pairs)
+        return max(abs(value / other - 1) for value, other in pairs)
 
     @property
     def is_alike(self) -> bool:
@@ -259,7 +259,7 @@ def _softness(body: Body) -> float:
 def compliance_of(upper: Material, lower: Material) -> Compliance:
     """Return the compliance of two materials, over shear slowness and modulus of the upper."""
     unit = upper.shear_speed
-    speeds = ((one.longitudinal_speed, one.shear_speed) for one in (upper, lower))
+    speeds = ((body.longitudinal_speed, body.shear_speed) for body in (upper, lower))
     slownesses = [(unit / fast, unit / slow) for fast, slow in speeds]
     moduli = 1.0, lower.shear_modulus / upper.shear_modulus
     return Compliance(*(Body(mu, *ab) for mu, ab in zip(moduli, slownesses, strict=True)))

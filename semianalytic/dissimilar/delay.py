@@ -57,7 +57,7 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
     ]
     if not found:
         return None
-    _, best, wave = max(found, key=lambda one: one[0])
+    _, best, wave = max(found, key=lambda rate: rate[0])
 
     def followed(log: float) -> GrowingWave:
         k = _followed(compliance, friction, float(np.exp(log)), wave.slowness)

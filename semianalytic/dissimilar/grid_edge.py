@@ -9,8 +9,7 @@ z = exp(i theta), nu = -+ artanh(beta) / pi and the factor E(z) of |theta| / (2 
 
 They tend to the fields of a crack tip at (j + 0.31) h and (l + 0.69) h from it, but for known
 factors, and for waves two nodes long, of relative size j^(-1/2), from the jump of the symbol at
-theta = pi: no grid removes these, and means of three nodes do (docs/engine.md, "Tractions near
-a stuck edge").
+theta = pi: no grid removes these, and means of three nodes do.
 """
 
 from __future__ import annotations

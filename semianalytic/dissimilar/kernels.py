@@ -67,7 +67,7 @@ class PairImpedance:
     def __call__(self, s: Complex) -> Complex:
         """Return Z_s, Z_n and H at s (n,) with Re s > 0, without the Stoneley wave, (3, n)."""
         poles, residues = self.lasting
-        waves, mirrored = (1 / (s - one[:, None]) for one in (poles, poles.conj()))
+        waves, mirrored = (1 / (s - pole[:, None]) for pole in (poles, poles.conj()))
         return np.asarray(self.at(s) - (residues @ waves + residues.conj() @ mirrored))
 
     def at(self, s: NDArray[np.complexfloating]) -> Complex:

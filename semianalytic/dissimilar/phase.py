@@ -89,7 +89,7 @@ class CutPhase:
     def on(self, stretch: Stretch, x: Array) -> Array:
         """Return the phase at coordinates x (n,) of a stretch between two wave fronts."""
         # The table gives the multiple of 2 pi that the angle of the function leaves open.
-        part = next(one for one in self.table if one.stretch == stretch)
+        part = next(row for row in self.table if row.stretch == stretch)
         near, angle = np.interp(x, part.x, part.phase), np.angle(self._on(stretch, x))
         return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
 

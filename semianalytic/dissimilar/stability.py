@@ -175,8 +175,8 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
     compliance, unit = compliance_of(upper, lower), upper.shear_speed
     delayed = fastest_delayed_growth(compliance, friction)
     waves = tuple(
-        SlidingWave(one.growth * unit, one.velocity * unit, float(np.exp(one.per_wavelength)))
-        for one in growing_waves(compliance, friction)
+        SlidingWave(wave.growth * unit, wave.velocity * unit, float(np.exp(wave.per_wavelength)))
+        for wave in growing_waves(compliance, friction)
     )
 
     def scaled(speed: float | None) -> float | None:

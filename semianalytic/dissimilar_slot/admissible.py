@@ -121,10 +121,13 @@ def _intervals(
 def _merged(found: list[BrokenLaw]) -> list[BrokenLaw]:
     """Join violations of the same kind and sense that meet at a wave front."""
     result: list[BrokenLaw] = []
-    for one in sorted(found, key=lambda one: (one.kind, one.left)):
-        last, alike = result[-1] if result else None, (one.kind, one.zone, one.sense, one.left)
+    for broken in sorted(found, key=lambda broken: (broken.kind, broken.left)):
+        last, alike = (
+            result[-1] if result else None,
+            (broken.kind, broken.zone, broken.sense, broken.left),
+        )
         if last is not None and (last.kind, last.zone, last.sense, last.right) == alike:
-            result[-1] = replace(last, right=one.right)
+            result[-1] = replace(last, right=broken.right)
         else:
-            result.append(one)
-    return sorted(result, key=lambda one: one.left)
+            result.append(broken)
+    return sorted(result, key=lambda violation: violation.left)

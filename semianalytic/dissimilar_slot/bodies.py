@@ -169,15 +169,15 @@ class BodyFace:
         z = self.density.above(place, offset)
         rho = (self.density.glued.rates(-k) @ z[..., None])[..., 0]
         tau, sigma = (entries.inverse @ rho[..., None])[..., 0].T
-        one, other = entries.bodies[::-1] if self.below else entries.bodies
+        own_body, other = entries.bodies[::-1] if self.below else entries.bodies
         sign, (slip, part) = -1.0 if self.below else 1.0, rho.T
-        own, far = sign * k * one.coupling, sign * k * other.coupling
+        own, far = sign * k * own_body.coupling, sign * k * other.coupling
         first = other.normal * slip + far * part
         second = other.tangential * part - far * slip
-        static = one.determinant * other.rayleigh
-        scale = one.body.modulus * one.body.b / entries.determinant
-        along = (static * slip + one.tangential * first + own * second) * scale
-        across = (static * part + one.normal * second - own * first) * scale
+        static = own_body.determinant * other.rayleigh
+        scale = own_body.body.modulus * own_body.body.b / entries.determinant
+        along = (static * slip + own_body.tangential * first + own * second) * scale
+        across = (static * part + own_body.normal * second - own * first) * scale
         return np.stack([-sign * along, -across, sign * tau, sigma])
 
 
@@ -240,7 +240,7 @@ class PairBodies:
                 x, y = points_around(sent.primitives.reach)
                 at = x, np.copysign(y, side), np.ones_like(x)
                 for quantity in ("velocity", "stress"):
-                    rows, others = (fields_of([one], quantity, at) for one in (sent, coarser))
+                    rows, others = (fields_of([part], quantity, at) for part in (sent, coarser))
                     beside = np.abs(rows - others) / (1 + np.abs(rows))
                     change = max(change, float(beside.max()))
             if self._sent[0].primitives.source.is_coarse:

@@ -33,20 +33,20 @@ def corrected(
     interval in tension is opened.  If there is none either, slip is added where the shear traction
     exceeds friction.
     """
-    wrong = [one for one in violations if one.kind in ("reversed", "overlap")]
-    pulled = [one for one in violations if one.kind == "pull"]
+    wrong = [violation for violation in violations if violation.kind in ("reversed", "overlap")]
+    pulled = [violation for violation in violations if violation.kind == "pull"]
     result = list(zones)
     if wrong:
         # From the slowest on, so that the numbers of the zones ahead stay what they are.
-        for one in sorted(wrong, key=lambda one: -one.left):
-            _cut(result, one)
+        for violation in sorted(wrong, key=lambda broken: -broken.left):
+            _cut(result, violation)
     elif pulled:
         # One opening changes the pressure everywhere: the others may be gone after it.
         widest = max(pulled, key=_extent)
         _open(result, widest)
     else:
-        for one in sorted(violations, key=lambda one: -one.left):
-            _slip(result, one)
+        for violation in sorted(violations, key=lambda violation: -violation.left):
+            _slip(result, violation)
     return _tidy(result)
 
 
@@ -67,16 +67,16 @@ def _tidy(zones: Sequence[MovingZone]) -> tuple[MovingZone, ...]:
     return tuple(result)
 
 
-def _extent(one: BrokenLaw) -> float:
+def _extent(broken: BrokenLaw) -> float:
     """Return the ratio of the ends of an interval; it is infinite up to the contact edge."""
-    return float("inf") if one.right is None else one.right / max(one.left, 1e-300)
+    return float("inf") if broken.right is None else broken.right / max(broken.left, 1e-300)
 
 
-def _at(one: float | None, other: float | None) -> bool:
+def _at(edge: float | None, other: float | None) -> bool:
     """Tell whether two slownesses are the same edge."""
-    if one is None or other is None:
-        return one is other
-    return abs(one - other) < 1e-6 * other
+    if edge is None or other is None:
+        return edge is other
+    return abs(edge - other) < 1e-6 * other
 
 
 def _cut(zones: list[MovingZone], wrong: BrokenLaw) -> None:
@@ -156,9 +156,9 @@ def rearranged(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
     if crossed is not None:
         return crossed
     gaps = [
-        (other.left / one.right - 1, index)
-        for index, (one, other) in enumerate(pairwise(zones))
-        if one.right is not None and one.sense == other.sense and not (one.open or other.open)
+        (other.left / zone.right - 1, index)
+        for index, (zone, other) in enumerate(pairwise(zones))
+        if zone.right is not None and zone.sense == other.sense and not (zone.open or other.open)
     ]
     # Stick that shrinks to nothing is what two zones leave that ought to be one.
     if gaps and min(gaps)[0] < _MET:
@@ -187,5 +187,5 @@ def _across_fronts(placement: PlacedZones) -> tuple[MovingZone, ...] | None:
             ahead = ends[ends.index(left) - 1] or 0.0
             result[index], crosses = left - _BEYOND_FRONT * (left - ahead), True
     # An edge must not jump over its neighbour on the way.
-    kept = all(one < other for one, other in pairwise(result))
+    kept = all(edge < other for edge, other in pairwise(result))
     return moved(placement.zones, result) if crosses and kept else None

@@ -73,7 +73,7 @@ class PairDerivative:
     opened: tuple[OpenZone, ...]
 
     def __repr__(self) -> str:
-        speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
+        speeds = ", ".join(f"{zone.inner:.4g} and {zone.outer:.4g}" for zone in self.zones)
         zones = f"edges move by {speeds}" if self.zones else "no slip"
         return f"<PairDerivative with respect to {self.name}: {zones}; {self.status}>"
 
@@ -141,18 +141,18 @@ class PairDerivative:
         velocity = np.linspace(0.0, 1.1 / marks[0], 202)[1:-1]
         apart = np.abs(velocity[:, None] - 1 / marks).min(axis=1) * slowest
         v = 1 / velocity[apart > 0.03]  # clear of edges and fronts, over the slowest wave speed
-        one, other = fine.fields(v), coarse.fields(v)
+        finer, other = fine.fields(v), coarse.fields(v)
         opened = is_open(self.opened, scene.material.shear_speed / v, 1.0)
         # Where it is open tractions are 0 whatever the parameter; what is left of them is rounding.
-        one[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
-        worst = max([worst, *(_share(*rows) for rows in zip(one, other, strict=True))])
+        finer[SHEAR:, opened] = other[SHEAR:, opened] = 0.0
+        worst = max([worst, *(_share(*rows) for rows in zip(finer, other, strict=True))])
         return 1e-9 + 4.0 * worst
 
 
-def _share(one: Array, other: Array) -> float:
+def _share(values: Array, other: Array) -> float:
     """Return the largest difference over the largest value."""
-    largest = float(np.abs(one).max(initial=0.0))
-    return float(np.abs(one - other).max(initial=0.0)) / largest if largest else 0.0
+    largest = float(np.abs(values).max(initial=0.0))
+    return float(np.abs(values - other).max(initial=0.0)) / largest if largest else 0.0
 
 
 def differentiated(
@@ -186,8 +186,8 @@ def differentiated(
     return PairDerivative(
         own.scene,
         name,
-        tuple(ZoneDerivative(moved(one.inner), moved(one.outer), one.sense) for one in zones),
-        tuple(OpenDerivative(moved(one.inner), moved(one.outer)) for one in openings),
+        tuple(ZoneDerivative(moved(zone.inner), moved(zone.outer), zone.sense) for zone in zones),
+        tuple(OpenDerivative(moved(opening.inner), moved(opening.outer)) for opening in openings),
         status,
         varied,
         openings,

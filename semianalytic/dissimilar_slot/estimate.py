@@ -28,8 +28,8 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
         return error
     error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
-    one, other = edge_tractions(fine), edge_tractions(coarse)
-    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, one))
+    finer, other = edge_tractions(fine), edge_tractions(coarse)
+    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, finer))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
     slowest = fine.interface.compliance.last
@@ -38,7 +38,7 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     rates, others = _rates(fine), _rates(coarse)
     scale = np.abs(rates).max(axis=0)
     of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
-    changes = [shifts, left, of_rates, _traction_change(fine.interface, one.values, other.values)]
+    changes = [shifts, left, of_rates, _traction_change(fine.interface, finer.values, other.values)]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
 
@@ -64,7 +64,7 @@ def _rates(density: Density) -> Array:
     return np.array(result)
 
 
-def _traction_change(interface: LoadedBodies, one: Array, other: Array) -> Array:
+def _traction_change(interface: LoadedBodies, finer: Array, other: Array) -> Array:
     """Return differences of tau and sigma at edges, (e, 2), over themselves plus f P_b or P_b."""
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])
-    return np.asarray(np.abs(one - other) / (np.abs(one) + held))
+    return np.asarray(np.abs(finer - other) / (np.abs(finer) + held))

@@ -74,7 +74,7 @@ class Seen:
     def states(self) -> list[int]:
         """State of each node: 0 stuck, +1 or -1 slipping, 2 open."""
         # Less is rounding left by pivoting.
-        least_rate, least_gap = (1e-9 * np.abs(one).max() for one in (self.rate, self.gap))
+        least_rate, least_gap = (1e-9 * np.abs(values).max() for values in (self.rate, self.gap))
         slipping = np.where(np.abs(self.rate) > least_rate, np.sign(self.rate), 0)
         return [int(s) for s in np.where(self.gap > least_gap, 2, slipping)]
 

@@ -96,26 +96,27 @@ class Varied:
     def edges(self) -> Array:
         """Derivatives (e,) of the velocities of the edges, from the fastest to the slowest."""
         velocities = [
-            1 / one.slowness(np.array(edges_of(one.profile.density.zones))) for one in self.beside
+            1 / near.slowness(np.array(edges_of(near.profile.density.zones)))
+            for near in self.beside
         ]
         return self._difference(velocities)
 
     @cached_property
     def _ahead(self) -> Array:
         """Derivatives of all fields ahead of all waves."""
-        return self._difference([one.fields(np.zeros(1))[:, 0] for one in self.beside])
+        return self._difference([neighbour.fields(np.zeros(1))[:, 0] for neighbour in self.beside])
 
     @cached_property
     def at_edge(self) -> float:
         """Derivative of the slip rate at the contact edge."""
         # Slowness at the contact edge is infinite; the rate has reached its limit long before this.
         far = np.array([1e12])
-        return float(self._difference([one.fields(far)[RATE, 0] for one in self.beside]))
+        return float(self._difference([near.fields(far)[RATE, 0] for near in self.beside]))
 
     def fields(self, v: Array) -> Array:
         """Return the derivatives (6, n) of `Member.fields` at slownesses v of the pair itself."""
         result = np.repeat(self._ahead[:, None], len(v), axis=1)
-        stretches = [one.stretches() for one in (self.own, *self.beside)]
+        stretches = [solution.stretches() for solution in (self.own, *self.beside)]
         index = np.searchsorted(self.own.marks, v, side="right") - 1
         for k, (stretch, *others) in enumerate(zip(*stretches, strict=True)):
             here = index == k
@@ -124,11 +125,11 @@ class Varied:
             x = np.clip(stretch.coordinates(v[here]), -200.0, 200.0)
             places = [other.at(x).v for other in others]
             beside = list(zip(self.beside, places, strict=True))
-            at_place = self._difference([one.fields(place) for one, place in beside])
-            moved = self._difference([one.slowness(place) for one, place in beside])
+            at_place = self._difference([neighbour.fields(place) for neighbour, place in beside])
+            moved = self._difference([neighbour.slowness(place) for neighbour, place in beside])
             along = [stretch.at(x + 5e-3 * point).v for point in _POINTS]
-            slope = np.tensordot(_WEIGHTS, [self.own.fields(one) for one in along], 1)
-            run = np.tensordot(_WEIGHTS, [self.own.slowness(one) for one in along], 1)
+            slope = np.tensordot(_WEIGHTS, [self.own.fields(point) for point in along], 1)
+            run = np.tensordot(_WEIGHTS, [self.own.slowness(point) for point in along], 1)
             with np.errstate(divide="ignore", invalid="ignore"):
                 # At a fixed place between the marks fields change smoothly; the place itself has
                 # moved, which is taken back along the slope of the fields.
@@ -194,8 +195,8 @@ def _neighbour(
 def border(varied: Varied, name: str) -> str:
     """Return a sentence if neighbours break the law of contact; "" if all obey it."""
     slowest = 1e6
-    for one, point in zip(varied.beside, _POINTS, strict=True):
-        if violations(one.profile, 1e-6, slowest):  # its zones are others
+    for neighbour, point in zip(varied.beside, _POINTS, strict=True):
+        if violations(neighbour.profile, 1e-6, slowest):  # its zones are others
             side = "above" if point > 0 else "below"
             return (
                 f"one-sided: {side} this value of {name} zones of another kind begin, and the "

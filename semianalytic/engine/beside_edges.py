@@ -45,8 +45,8 @@ def hidden_openings(
     """Return the areas of openings that no node shows, and the forces of which they relieve slip.
 
     A singular tension opens an edge as far as the pressure that is left there lets it, like slip
-    against its strength [length^2, stress length].  Of the slip that a force at an edge causes half
-    is on the slot: half the force is returned.
+    against its strength [length^2, stress length].  Half of the slip that a force at an edge
+    causes is on the slot: half the force is returned.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class EdgeNodes:
         ratio = np.divide(np.abs(shear), pressure, out=np.zeros_like(shear), where=pressure > 0)
         stuck = np.abs(shear - self._shear)
         found = {"pressure": off, "shear_traction": np.where(self._slips, ratio * off, stuck)}
-        found = {name: BESIDE_EDGE_ERROR * one for name, one in found.items()}
+        found = {name: BESIDE_EDGE_ERROR * error for name, error in found.items()}
         slope = self._law.steady_slope()
         if slope is not None:
             slope = np.broadcast_to(slope, len(self._law_x))[self._place]
@@ -120,7 +120,7 @@ class EdgeNodes:
                 first, second = self._at(name), getattr(known, name)[:, self._second]
                 more = film_error(first, second, slope, self._done.scene.impedance)
                 found[name] = found.get(name, 0.0) + more
-        return {name: float(one.sum()) for name, one in found.items()}
+        return {name: float(errors.sum()) for name, errors in found.items()}
 
     @cached_property
     def missed_slip(self) -> tuple[float, float]:
@@ -162,4 +162,4 @@ class EdgeNodes:
         """Return the mean of (1 - nu) / mu of both bodies, or of 1 / mu [1 / stress]."""
         scene = self._done.scene
         bodies = (scene.material, scene.lower_material or scene.material)
-        return sum((1 - in_plane * one.poisson_ratio) / one.shear_modulus for one in bodies) / 2
+        return sum((1 - in_plane * body.poisson_ratio) / body.shear_modulus for body in bodies) / 2

@@ -88,14 +88,14 @@ def estimated(
         shares[name] = float(apart.sum()) / sizes[name] if sizes[name] else 0.0
         if name in ("slip", "slip_rate"):
             # One of two edges may be far off though most slip is beside the other one.
-            sums = ((float(apart[one].sum()), float(scale[one].sum())) for one in zones)
+            sums = ((float(apart[nodes].sum()), float(scale[nodes].sum())) for nodes in zones)
             shares[name] = max(
                 shares[name], 0.0, *(off / max(size, off) for off, size in sums if off)
             )
     tried = Tried(done.nodes, shares[deciding(done, shares)])
     order = None if coarser is None else order_seen(coarser, tried)
     # ends that lie elsewhere are known less well than zones on few nodes
-    narrow = misplaced > 0.025 or any(len(one) < NARROW for one in zones)
+    narrow = misplaced > 0.025 or any(len(nodes) < NARROW for nodes in zones)
     # `thinned` has every other node, or the mean of two.
     errors = {
         name: safety(order, narrow if "slip" in name else None) * share
@@ -117,7 +117,7 @@ def estimated(
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
         needed = in_fours(scene.period * 4.0 / zone)
         status = (
-            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
+            f"unresolved: the contact slips next to an edge over about {zone:.2g}, which nodes "
             f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
         )
     if status == "done" and errors[name] > largest:
@@ -130,14 +130,14 @@ def _zones(slip: Array, moves: Any) -> list[NDArray[np.intp]]:
     """Return the nodes of each row of nodes that move, but of those with little slip (k,)."""
     nodes = np.flatnonzero(moves)
     rows = np.split(nodes, np.flatnonzero(np.diff(nodes) > 1) + 1)
-    sums = [float(slip[one].sum()) for one in rows]
-    return [one for one, own in zip(rows, sums, strict=True) if own > LEAST_ZONE * max(sums)]
+    sums = [float(slip[row].sum()) for row in rows]
+    return [row for row, own in zip(rows, sums, strict=True) if own > LEAST_ZONE * max(sums)]
 
 
 def deciding(done: Run, errors: Mapping[str, float]) -> str:
     """Return which error counts, that of slip or that of a gap which is not much smaller."""
     known = done.interface
-    slip, gap = (float(np.abs(one[:, known.touching]).sum()) for one in (known.slip, known.gap))
+    slip, gap = (float(np.abs(rows[:, known.touching]).sum()) for rows in (known.slip, known.gap))
     larger = errors.get("gap", 0.0) > errors["slip"]
     return "gap" if larger and gap > LEAST_GAP * slip else "slip"
 
@@ -149,7 +149,7 @@ def unresolved(
     and rate; `needed` are the nodes that histories of loads need."""
     nodes = stepper.grid.nodes
     if nodes < 0.999 * needed:
-        remedy = "smooth it or the samples that lie beside each other"
+        remedy = "smooth it or the samples that lie close together"
         if needed < math.inf:
             remedy = f"use {in_fours(needed)} nodes or more, or smooth it"
         return f"unresolved: the history of a load turns faster than {nodes} nodes follow; {remedy}"

@@ -110,7 +110,7 @@ class LineAnswer(Questions, MarchedAnswer):
             return found
         # without a load that changes the pressure it is that of the base
         values = found.pressure.value, found.gap.value
-        pressure, gap = (Measured(one, np.zeros(one.shape)) for one in values)
+        pressure, gap = (Measured(value, np.zeros(value.shape)) for value in values)
         return replace(found, pressure=pressure, gap=gap)
 
     def _known_around(self: Any, x: Array, step: float) -> tuple[Array, Array]:
@@ -150,7 +150,7 @@ class LineAnswer(Questions, MarchedAnswer):
             rate, least = self.interface.slip_rate, np.full(len(t), self.checkpoint.slipping)
             times, rates = np.append(t[:1], t), np.vstack([rate[:1], rate])
             signs = (1, -1) if of == "forward" else (-1, 1)
-            mine, other = (onsets_until(never, times, one * rates, least) for one in signs)
+            mine, other = (onsets_until(never, times, sign * rates, least) for sign in signs)
             # the first of both senses is known at every step
             known = np.where((mine <= other) & np.isfinite(mine), known, mine)
         return np.where(self._on & ~np.isnan(known), known, np.inf)
@@ -208,11 +208,11 @@ class LineAnswer(Questions, MarchedAnswer):
             # distances from the begin of the part, which intervals from the first node on start at
             last = begin
             parts = found(x[on] - begin, values[on])
-            for one, after in zip_longest(parts, parts[1:]):
-                stop = min(begin + one.end, end) if math.isfinite(one.end) else end
+            for part, after in zip_longest(parts, parts[1:]):
+                stop = min(begin + part.end, end) if math.isfinite(part.end) else end
                 # ends on either side of a single node lie beyond it: the intervals share its place
                 if after is not None and begin + after.start < stop:
                     stop = (begin + after.start + stop) / 2
-                intervals.append(replace(one, start=max(begin + one.start, last), end=stop))
+                intervals.append(replace(part, start=max(begin + part.start, last), end=stop))
                 last = stop
         return tuple(intervals)

@@ -129,7 +129,7 @@ class RunRecord:
         length = now.time - before.time
         share = min((time - before.time) / length, 1.0)
         pairs = zip(self._shown(before), self._shown(now), strict=True)
-        shown = [one + share * (other - one) for one, other in pairs]
+        shown = [value + share * (other - value) for value, other in pairs]
         shown[0] = before.slip + share * length * (before.rate + shown[1]) / 2
         return tuple(shown)
 
@@ -177,7 +177,7 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
     parts += [scene.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
     values: list[Any] = []
     if is_dataclass(stepper.law):
-        values = [getattr(stepper.law, one.name) for one in fields(stepper.law)]
+        values = [getattr(stepper.law, field.name) for field in fields(stepper.law)]
     parts += [value for value in values if isinstance(value, str | bool)]
     digest = hashlib.sha256(repr(parts).encode())
     laid: list[Any] = [
@@ -218,9 +218,9 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
             "continues; leave out `slipping`, or give the same."
         )
     since = kept.state.time
-    gone = [one for one in record.times or () if one <= since]
+    gone = [time for time in record.times or () if time <= since]
     times = earlier.interface.t
-    lost = [one for one in gone if not np.isclose(one, times, rtol=1e-12, atol=0.0).any()]
+    lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
     if lost:
         raise SceneError(
             f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
@@ -247,7 +247,7 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
         for name in FIELDS:
             record.fields[name].pop()
     if record.times is not None:
-        record.times = sorted({*again, *(one for one in record.times if one > since)})
+        record.times = sorted({*again, *(time for time in record.times if time > since)})
     record.onset = np.where(earlier.onset > since, np.nan, earlier.onset)
     steps = int((earlier.step_times <= since).sum())
     record.step_times = earlier.step_times[:steps].tolist()

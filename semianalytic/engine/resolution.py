@@ -1,13 +1,12 @@
 """The resolution of a march: turns of its loads, the slip zone at the edge, and slip weakening.
 
 A grid of node distance h follows events that last longer than some steps of h / (2 c_t), whatever
-the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "Resolution of
-the grid"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
-largest value within four such steps: a wave then has 16 of them in a period, a triangle lasts 13,
-a rectangle 4.  Within one step a load may turn by 0.08; otherwise short pulses on top of longer
-ones would be lost.  A slip zone of a few nodes is seen badly, and one shorter than the distance of
-the first node from the edge is not seen at all.  Slip weakening has a length of its own, that of
-its process zone.
+the time step.  Measured on waves and pulses of every shape, frictional work is off by 1 to 3 %
+where a load turns by no more than 0.32 of its largest value within four such steps: a wave then has
+16 of them in a period, a triangle lasts 13, a rectangle 4.  Within one step a load may turn by
+0.08; otherwise short pulses on top of longer ones would be lost.  A slip zone of a few nodes is
+seen badly, and one shorter than the distance of the first node from the edge is not seen at all.
+Slip weakening has a length of its own, that of its process zone.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ def nodes_for_loads(
         if needed == math.inf:
             raise SceneError(
                 f"march: the {name} history turns back within no time at all; "
-                "smooth it, or take out samples that lie beside each other (docs/limits.md)."
+                "smooth it, or take out samples that lie close together (docs/limits.md)."
             )
         if needed > nodes * (1 + 1e-12):
             nodes, reason = math.ceil(needed), name
@@ -108,7 +107,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     slips = excess > 1e-9 * scale  # rounding
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
-    # Without strength beside the edge nothing bounds the zone but the waves.
+    # Without strength at the edge nothing bounds the zone but the waves.
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
     return float(np.minimum(zone, scene.fastest_speed * times).max())
 

@@ -53,7 +53,7 @@ class LineFields:
         the state is nan on slots.
     pressure, gap : (m, n) arrays
         Contact pressure [stress], 0 where the contact is open and on slots, and negative where
-        adhesion holds; gap [length], 0 or more on the contact, and the change of their width on
+        adhesion acts; gap [length], 0 or more on the contact, and the change of their width on
         slots.
     felt_pressure : (m, n) array
         Pressure that friction follows [stress]: that of the contact unless the law has a delay.
@@ -158,7 +158,7 @@ class Run(LineAnswer):
 
     @property
     def caution(self) -> str:
-        """What limits the accuracy and can be changed, in a sentence; empty if there is nothing.
+        """A sentence on what limits the accuracy and can be changed; empty if nothing does.
 
         A grid knows ends of contacts midway between its nodes.  It is moved to have them there
         (`shift`), and displaces those that lie elsewhere still: the error of slip is then that of a
@@ -255,7 +255,7 @@ class Run(LineAnswer):
         right = np.clip(np.searchsorted(nodes, place), 1, len(nodes) - 1)
         left = right - 1
         share = np.clip((place - nodes[left]) / (nodes[right] - nodes[left]), 0.0, 1.0)
-        # beside the end of a contact one of the two nodes is of the slot
+        # at the end of a contact one of the two nodes is of the slot
         share = np.where(touching[left], share, 1.0)
         share = np.where(touching[right], share, 0.0)
         found = values[..., left] * (1 - share) + values[..., right] * share
@@ -280,12 +280,11 @@ class Run(LineAnswer):
         ]
 
     def beside_edge(self, edge: float, frame: int = -1) -> EdgeReading:
-        """Return the fields beside an edge at which the contact sticks.
+        """Return the fields next to an edge at which the contact sticks.
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
         of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
-        over three nodes, they are off by 0.5 to 2 % from the second node on (docs/engine.md,
-        "Tractions near a stuck edge").
+        over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
         ----------
@@ -303,7 +302,7 @@ class Run(LineAnswer):
         ------
         SceneError
             If there is no such edge, fewer than four nodes lie on a side of it, or the contact
-            slips beside it.
+            slips next to it.
 
         Examples
         --------
@@ -320,7 +319,7 @@ class Run(LineAnswer):
     def to_xarray(self, x: Any = None, t: Any = None) -> Any:
         """Return fields as an `xarray.Dataset` of dimensions t and x, ready for NetCDF.
 
-        Without positions x (n,) and times t (m,) it holds all fields of the nodes and frames.
+        Without positions x (n,) and times t (m,) it has all fields of the nodes and frames.
 
         Raises
         ------
@@ -342,7 +341,7 @@ class Run(LineAnswer):
     def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Run:
         """Read a run that `save` wrote.
 
-        A scene that has functions of Python, which no file can hold, is given.
+        A scene that has functions of Python, which no file can contain, is given.
 
         Raises
         ------
@@ -386,8 +385,8 @@ def _beside_edge(run: Run, edge: float, frame: int) -> EdgeReading:
     slip = np.abs(known.slip[frame])
     if slip[inside[:_LEAST_READ]].max() > LEAST_GAP * slip[outside[0]]:
         raise SceneError(
-            f"edge: the contact slips beside x = {near:g} at t = {known.t[frame]:g}, so that "
-            "tractions are not those beside a stuck edge; read nodal values."
+            f"edge: the contact slips next to x = {near:g} at t = {known.t[frame]:g}, so that "
+            "tractions are not those of a stuck edge; read nodal values."
         )
     base = sampled("scene: shear", scene.base.shear, known.x, spacing)[inside]
     pressed = sampled("scene: pressure", scene.base.pressure, known.x, spacing)[inside]

@@ -70,7 +70,7 @@ def run(
         of loads and the narrowest contact or slot need, and up to twice as many, so that ends of
         contacts lie midway between nodes or close to it.  The grid is moved to have them there
         (`Run.shift`) unless the interface is even; what it displaces still counts as error, and
-        `Run.caution` tells it.
+        `Run.caution` says it.
     rtol : float, optional
         Wanted relative error of slip and gap; more nodes are taken, as many as the order of
         convergence asks for, until the estimates are below it, up to 16,384.
@@ -132,12 +132,14 @@ def run(
     if rtol is not None:
         rtol = checked_size("run: rtol", rtol)
     if times is not None:
-        times = sorted(float(one) for one in times)
+        times = sorted(float(time) for time in times)
         # nan is none of these, and so refused.
-        if not (times and all(0 <= one <= end_time for one in times)):
+        if not (times and all(0 <= time <= end_time for time in times)):
             raise SceneError("run: times must lie between 0 and the end time.")
     if slipping is not None:
-        slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda one: one >= 0)
+        slipping = checked_number(
+            "run: slipping", slipping, "be 0 or more", lambda given: given >= 0
+        )
     settings = _checked_settings(settings)
     options: dict[str, Any] = {
         "step_ratio": step_ratio,
@@ -155,7 +157,7 @@ def run(
     needed = max(histories, nodes_for_contact(scene))
     if nodes is None:
         least = in_fours(needed) if NODES < needed <= MOST_NODES else NODES
-        # the run with half the nodes, which tells the error, needs ends that fit as well
+        # the run with half the nodes, which estimates the error, needs ends that fit as well
         nodes = min(fitting_nodes(scene, least, 1), MOST_NODES)
     elif rtol is not None and go_on is None and nodes < needed <= MOST_NODES:
         nodes = in_fours(needed)
@@ -182,7 +184,7 @@ def _half(
 ) -> Callable[[Scene], Run]:
     """Return what runs an interface on half the nodes of a run, at its frames."""
     options = {**options, "times": list(done.interface.t), "shift": done.shift}
-    return lambda one: _one(one, end_time, done.nodes // 2, options, settings, None, None)
+    return lambda scene: _one(scene, end_time, done.nodes // 2, options, settings, None, None)
 
 
 @taking_quantities
@@ -278,7 +280,7 @@ def _one(
         kept = kept_at(stepper, record, now)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
-    most = np.maximum.reduce([stepper.pressure, *(one[stepper.touching] for one in loaded)])
+    most = np.maximum.reduce([stepper.pressure, *(load[stepper.touching] for load in loaded)])
     status = too_short(scene, now.time) or unresolved(
         stepper, most, now.state, max(record.peak_rates), options["histories"]
     )

@@ -102,13 +102,13 @@ class Bodies:
         x, y = points_around(self._shear.reach)
         if self.shear.borders and self.opened is not None:
             # the traction of a film jumps on the face at the ends of an opening
-            ends = [end for one in self.opened.zones for end in (one.left, one.right) if end]
+            ends = [end for zone in self.opened.zones for end in (zone.left, zone.right) if end]
             beside = np.outer([1 / end.v[0] for end in ends], 1 + _BESIDE).ravel()
             x, y = np.append(x, beside), np.append(y, 0 * beside)
         at = x, y, 1 / self.scene.material.shear_speed
         rows, coarser = (
-            np.concatenate([one._rows(quantity, *at) for quantity in PLANE])
-            for one in (self, coarse)
+            np.concatenate([body._rows(quantity, *at) for quantity in PLANE])
+            for body in (self, coarse)
         )
         step = self.scene.superposition.taken_off
         largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit

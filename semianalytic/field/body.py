@@ -72,7 +72,7 @@ def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array,
     # Blocks keep the memory of a picture of any size bounded, and its values in the cache.
     for start in range(0, len(time), tuning.POINTS_AT_ONCE):
         part = slice(start, start + tuning.POINTS_AT_ONCE)
-        rows[:, part] = _finite_or_not(parts, quantity, *(one[part] for one in scaled))
+        rows[:, part] = _finite_or_not(parts, quantity, *(row[part] for row in scaled))
     if quantity == "displacement":  # it is of degree 1, the others are of degree 0
         rows *= time
     return rows
@@ -89,7 +89,7 @@ def reflected_fields(
 
 def _count(parts: Sequence[Sent], quantity: Quantity) -> int:
     """Return the number of rows of a quantity."""
-    every = [PLANE[quantity], *([ALONG[quantity]] if any(one.antiplane for one in parts) else [])]
+    every = [PLANE[quantity], *([ALONG[quantity]] if any(part.antiplane for part in parts) else [])]
     return sum(rows.stop - rows.start for rows in every)
 
 
@@ -140,7 +140,7 @@ def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
     # Fields depend on x / t and y / t alone; displacement is proportional to t besides.
     with np.errstate(over="ignore"):
         # From 1e16 c_t t on fields are those at infinity, to rounding.
-        x, y = (np.clip(one / t, -1e16, 1e16) for one in (x, y))
+        x, y = (np.clip(coordinate / t, -1e16, 1e16) for coordinate in (x, y))
     # Nearer points are the edge: antiplane stresses are off by 1e-8 at 1e-8 and by 6e-7 at 1e-15.
     at_edge = np.hypot(x, y) < 1e-16
     return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)
@@ -148,8 +148,8 @@ def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
 
 def checked_points(x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Array, Array, Array]:
     """Return positions and times as arrays of one shape; raise SceneError if one is not finite."""
-    points = [np.asarray(one, dtype=float) for one in (x, y, t)]
-    if not all(np.all(np.isfinite(one)) for one in points):
+    points = [np.asarray(values, dtype=float) for values in (x, y, t)]
+    if not all(np.all(np.isfinite(point)) for point in points):
         raise SceneError("positions and times must be finite numbers.")
     x, y, t = np.broadcast_arrays(*points)
     return x, y, t
@@ -187,8 +187,8 @@ def waves(source: Source) -> tuple[WaveSource, ...]:
     if source.antiplane:
 
         def by_s_along(parts: Array, x: Array, y: Array, t: Array) -> Array:
-            one, k, beta = parts
-            return (t * one + x * k + y * beta)[None]
+            ones, k, beta = parts
+            return (t * ones + x * k + y * beta)[None]
 
         # The densities are those of v_z, sigma_xz and sigma_yz themselves.
         return (WaveSource(1.0, np.eye(3), np.eye(3), by_s_along),)
@@ -202,13 +202,13 @@ def waves(source: Source) -> tuple[WaveSource, ...]:
     of_s[0, 0], of_s[1, 2], of_s[2, 1], of_s[3, 1], of_s[4, 3:] = 1, 1, 2, -2, (-1, 2)
 
     def by_p(parts: Array, x: Array, y: Array, t: Array) -> Array:
-        one, k, over_k, alpha, alpha_over_k = parts
-        along = t * one + x * k - y * alpha
+        ones, k, over_k, alpha, alpha_over_k = parts
+        along = t * ones + x * k - y * alpha
         return np.stack([along, y * (a * a * over_k - k) - t * alpha_over_k - x * alpha])
 
     def by_s(parts: Array, x: Array, y: Array, t: Array) -> Array:
-        one, k, k_over, over, square_over = parts
-        along = t * one + x * k - y * (over - square_over)
+        ones, k, k_over, over, square_over = parts
+        along = t * ones + x * k - y * (over - square_over)
         return np.stack([along, t * k_over + x * square_over - y * k])
 
     every = np.eye(len(source.behind))

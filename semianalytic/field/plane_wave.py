@@ -34,8 +34,8 @@ def plane_wave(
     history : LoadHistory, optional
         Factor over the time since the front; a step by default.
     """
-    n_x, n_y = (one / wave.speed(solid) for one in wave.direction())
-    x, y, t = (np.asarray(one, dtype=float) for one in at)
+    n_x, n_y = (component / wave.speed(solid) for component in wave.direction())
+    x, y, t = (np.asarray(values, dtype=float) for values in at)
     lag, pieces = t - n_x * x - n_y * y, (history or Step()).pieces
     if quantity == "displacement":
         moved = wave.particle_velocity(solid) * pieces.integral(lag)

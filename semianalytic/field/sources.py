@@ -72,9 +72,9 @@ class Source(Protocol):
         """
 
 
-def _order(one: Centre, other: Centre) -> int:
+def _order(centre: Centre, other: Centre) -> int:
     """Return -1 or 1 if a centre lies left or right of another, however close, or 0."""
-    return int(np.sign(other.distance(one)))
+    return int(np.sign(other.distance(centre)))
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class LikeBody:
         every = [*ends, self._parting, *(Centre(1, point) for point in right)]
         pole = self.transform.pole
         # The pole may coincide with a front or with the end of a panel, which then serves for both.
-        if pole is not None and all(one.distance(pole) != 0.0 for one in every):
+        if pole is not None and all(centre.distance(pole) != 0.0 for centre in every):
             every.append(pole)
         return sorted(every, key=cmp_to_key(_order))
 
@@ -110,7 +110,7 @@ class LikeBody:
     @cached_property
     def between(self) -> Array:
         """See `Source`."""
-        return np.array([one.distance(other) for one, other in pairwise(self._centres)])
+        return np.array([centre.distance(other) for centre, other in pairwise(self._centres)])
 
     @cached_property
     def parting(self) -> int:

@@ -41,7 +41,7 @@ class _Tables:
 
     def mapped(self, change: Callable[[Array], Array]) -> _Tables:
         """Return the tables with a function applied to every series."""
-        stuck = {mode: (change(one), change(two)) for mode, (one, two) in self.stuck.items()}
+        stuck = {mode: (change(factor), change(two)) for mode, (factor, two) in self.stuck.items()}
         return _Tables(change(self.log_s_plus), stuck)
 
 
@@ -182,7 +182,7 @@ def _single(factors: RayleighFactors) -> _Tables:
     series: dict[Mode, tuple[Array, Array]] = {}
     for stuck in (stuck_traction(factors.poisson_ratio, "I"), traction_of(factors, "II")):
         series[stuck.mode] = stuck._before_shear_front, stuck._behind_shear_front
-    return _Tables(factors._log_s_plus, series).mapped(lambda one: one[:, None, None])
+    return _Tables(factors._log_s_plus, series).mapped(lambda table: table[:, None, None])
 
 
 def _joined(parts: list[_Tables]) -> _Tables:
@@ -190,7 +190,7 @@ def _joined(parts: list[_Tables]) -> _Tables:
 
     def together(series: list[Array]) -> Array:
         longest = max(map(len, series))
-        padded = [np.pad(one, ((0, longest - len(one)), (0, 0), (0, 0))) for one in series]
+        padded = [np.pad(table, ((0, longest - len(table)), (0, 0), (0, 0))) for table in series]
         return np.concatenate(padded, axis=1)
 
     stuck: dict[Mode, tuple[Array, Array]] = {}

@@ -19,8 +19,8 @@ def gauss(n: int) -> tuple[Array, Array]:
     """Return Gauss-Legendre nodes and weights on [0, 1], as read-only arrays."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
     both = (nodes + 1) / 2, weights / 2
-    for one in both:
-        one.setflags(write=False)
+    for table in both:
+        table.setflags(write=False)
     return both
 
 

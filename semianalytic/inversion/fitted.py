@@ -192,7 +192,7 @@ class Fit:
     @property
     def residuals(self) -> tuple[Array, ...]:
         """Record less fit for each gauge, in the units of its quantity."""
-        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
+        return tuple(gauge.values - self.seen(gauge, gauge.t) for gauge in self.gauges)
 
     def seen(self, gauge: Gauge, t: Array) -> Array:
         """Return what a gauge would have recorded without noise at times (n,) of the records."""

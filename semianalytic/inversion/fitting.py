@@ -108,7 +108,7 @@ def fit(
         interval, lower = intervals(best, covariance, trials)
         if lower is None:
             break
-    unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
+    unconstrained = tuple(name for name, is_free in zip(names, free, strict=True) if is_free)
     derivative_error = trials.difference_error(best.scaled)
     trials.progress = None  # later misfits, as of `Fit.log_density`, are no part of this search
     scene, fitted = trials.at(best.scaled)
@@ -153,7 +153,7 @@ def _trials(
     nodes: int | None,
 ) -> Trials:
     """Return the trials of a fit, after checking what was asked."""
-    if not gauges or not all(isinstance(one, Gauge) for one in gauges):
+    if not gauges or not all(isinstance(given, Gauge) for given in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     found = find(given) if isinstance(given, str | PathLike) else given
     if isinstance(found, Scene) and is_fitted_on_line(found):
@@ -190,7 +190,7 @@ def _check_priors(
                 f"fit: the prior of {name} must be Normal, LogNormal or Uniform, got "
                 f"{shown(prior)}."
             )
-    samples = sum(len(one.t) for one in gauges)
+    samples = sum(len(gauge.t) for gauge in gauges)
     least = f"be at least that of parameters, {len(names)}"
     checked_number("fit: the number of samples", samples, least, lambda n: n >= len(names))
 

@@ -134,7 +134,7 @@ class LineUnknowns(Unknowns):
         x = np.linspace(-self.scene.period / 2, self.scene.period / 2, 101)
         x = x[scene.contact.touches(x)]
         fields = (scene.base.pressure, scene.base.shear)
-        return max(float(np.abs(sampled("", one, x)).max(initial=0.0)) for one in fields) or 1.0
+        return max(float(np.abs(sampled("", field, x)).max(initial=0.0)) for field in fields) or 1.0
 
     def size(self, name: str) -> float:
         """Return the size by which an unknown is divided: its value, or one that would matter."""
@@ -216,8 +216,8 @@ class LineTrials(Trials):
         # Half the nodes have a multiple of the error; `ERROR_SAFETY` is that of the engine's own
         # estimates.
         coarse: Any = recorded(scene, fine.run.nodes // 2, estimate=False)
-        one, other = (self.samples.of(run, setup) for run in (fine, coarse))
-        off = self.samples.gain(setup) * (one - other) / self.samples.noise
+        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
+        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
         return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
 
 

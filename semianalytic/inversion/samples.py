@@ -48,43 +48,43 @@ class Samples:
     @cached_property
     def values(self) -> Array:
         """The recorded values, (n,)."""
-        return np.concatenate([one.values for one in self.gauges])
+        return np.concatenate([gauge.values for gauge in self.gauges])
 
     @cached_property
     def noise(self) -> Array:
         """The standard deviations, (n,)."""
-        return self._spread([one.noise for one in self.gauges])
+        return self._spread([gauge.noise for gauge in self.gauges])
 
     @cached_property
     def t(self) -> Array:
         """The times of the records, (n,)."""
-        return np.concatenate([one.t for one in self.gauges])
+        return np.concatenate([gauge.t for gauge in self.gauges])
 
     @cached_property
     def half(self) -> Array:
         """Half the times between samples, (n,)."""
-        return np.concatenate([one.half_interval for one in self.gauges])
+        return np.concatenate([gauge.half_interval for gauge in self.gauges])
 
     @cached_property
     def places(self) -> tuple[Array, Array]:
         """The positions x and y, (n,) each; y is 0 on the interface."""
-        y = self._spread([one.y or 0.0 for one in self.gauges])
-        return self._spread([one.x for one in self.gauges]), y
+        y = self._spread([gauge.y or 0.0 for gauge in self.gauges])
+        return self._spread([gauge.x for gauge in self.gauges]), y
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
         """The samples of each quantity."""
-        names = np.repeat([one.quantity for one in self.gauges], self._counts)
+        names = np.repeat([gauge.quantity for gauge in self.gauges], self._counts)
         return {str(name): np.flatnonzero(names == name) for name in np.unique(names)}
 
     @cached_property
     def on_interface(self) -> np.ndarray:
         """Whether each sample is of the interface, (n,)."""
-        return np.repeat([one.on_interface for one in self.gauges], self._counts)
+        return np.repeat([gauge.on_interface for gauge in self.gauges], self._counts)
 
     @property
     def _counts(self) -> list[int]:
-        return [len(one.t) for one in self.gauges]
+        return [len(gauge.t) for gauge in self.gauges]
 
     def _spread(self, numbers: list[float | Array]) -> Array:
         parts = zip(numbers, self._counts, strict=True)
@@ -96,11 +96,11 @@ class Samples:
 
     def gain(self, setup: Setup) -> Array:
         """Return the factors (n,) by which records are too large."""
-        return self._spread([setup.gain_of(one) for one in self.gauges])
+        return self._spread([setup.gain_of(gauge) for gauge in self.gauges])
 
     def of_gauge(self, name: str) -> Array:
         """Return 1 for samples of gauges of a name, else 0, (n,)."""
-        return self._spread([float(one.name == name) for one in self.gauges])
+        return self._spread([float(gauge.name == name) for gauge in self.gauges])
 
     def clear(self, solution: Solution, setup: Setup) -> Array:
         """Return the times since the load at which derivatives are formed, (n,).
@@ -129,7 +129,7 @@ class Samples:
 
     def of_each(self, solution: Solution, setups: Sequence[Setup]) -> Array:
         """Return what `of` returns in each of several set-ups, (s, n)."""
-        x0, t0 = np.array([(one.x0, one.t0) for one in setups]).T[..., None]
+        x0, t0 = np.array([(setup.x0, setup.t0) for setup in setups]).T[..., None]
         return self._finite(solution, x0, self.t - t0)
 
     def _finite(self, solution: Solution, x0: float | Array, t: Array) -> Array:
@@ -152,7 +152,7 @@ class Samples:
     @cached_property
     def _looks(self) -> dict[str, _Look]:
         """The samples of each recorded kind; components at one place and time come together."""
-        kinds = [component(one.quantity) for one in self.gauges]
+        kinds = [component(gauge.quantity) for gauge in self.gauges]
         of_kind = np.repeat([kind for kind, _ in kinds], self._counts)
         axes = np.repeat([axis for _, axis in kinds], self._counts)
         # Components recorded at one place and time are computed once. The interval belongs to the

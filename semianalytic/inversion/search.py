@@ -88,11 +88,11 @@ def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None =
     """
     end = descend(trials, start, most)
     # A new minimum replaces those that it is the better end of.
-    near = [one for one in ends if one.distance(end.scaled) < 0.5]  # nearer minima count as one
-    if not near or end.chi2 < min(one.chi2 for one in near):
-        ends[:] = [one for one in ends if one not in near]
+    near = [fit for fit in ends if fit.distance(end.scaled) < 0.5]  # nearer minima count as one
+    if not near or end.chi2 < min(fit.chi2 for fit in near):
+        ends[:] = [fit for fit in ends if fit not in near]
         ends.append(end)
-    ends.sort(key=lambda one: one.chi2)
+    ends.sort(key=lambda end: end.chi2)
 
 
 def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:

@@ -294,7 +294,7 @@ class Trials:
             except SceneError:  # beyond what is a scene
                 ends.append((value, solution))
         (above, later), (below, earlier) = ends
-        seen = [self.samples.of(one, setup, t) for one in (later, earlier)]
+        seen = [self.samples.of(run, setup, t) for run in (later, earlier)]
         return np.asarray((seen[0] - seen[1]) / (above - below))
 
     def difference_error(self, scaled: Array) -> float:

@@ -125,7 +125,7 @@ class Unknowns:
     def _stress(self) -> float:
         """The largest traction of the scene [stress]."""
         parts = (self.scene.base, self.scene.superposition.taken_off)
-        return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
+        return max(abs(value) for part in parts for value in (part.pressure, part.shear)) or 1.0
 
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the least and largest admissible value of an unknown."""
@@ -210,7 +210,7 @@ def check_known(names: tuple[str, ...]) -> None:
 
 def check_gains(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
     """Raise SceneError for gains of no gauge."""
-    called = {one.name for one in gauges} - {""}
+    called = {gauge.name for gauge in gauges} - {""}
     for name in names:
         if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
             known = ", ".join(sorted(called)) or "none of them has a name"

@@ -72,8 +72,8 @@ class Kernels:
     @classmethod
     def of(cls, memory: Memory) -> Kernels:
         """Return the one kernel h of a memory."""
-        one = memory.poles, memory.residues, None, memory.static, np.ones(1)
-        return cls(*one, memory.horizon)
+        parts = memory.poles, memory.residues, None, memory.static, np.ones(1)
+        return cls(*parts, memory.horizon)
 
     @classmethod
     def coupled(cls, fit: SharedMemory, own: int, direct: float) -> Kernels:
@@ -170,7 +170,7 @@ class StepTable:
         self.feedback = np.empty((len(kernels.lasting), len(phase)))
         kernels.exerted(whole.end, self.half, self.feedback)
         self.factors = [
-            Factors(*(one[:, part.place].astype(part.kind, order="C") for one in whole))
+            Factors(*(table[:, part.place].astype(part.kind, order="C") for table in whole))
             for part in parts
         ]
 
@@ -213,13 +213,13 @@ class LineMemory:
             Part(slice(0, double), complex, float),
             Part(slice(double, self.size), np.complex64, np.float32),
         )
-        self._parts = [one for one in parts if one.place.start < one.place.stop]
+        self._parts = [part for part in parts if part.place.start < part.place.stop]
         poles = len(kernels.poles)
-        sizes = [one.place.stop - one.place.start for one in self._parts]
+        sizes = [part.place.stop - part.place.start for part in self._parts]
         # convolutions, without the share of the newest rate where a last step is noted
         self._modes = [
-            np.zeros((rows, poles, size), dtype=one.kind)
-            for one, size in zip(self._parts, sizes, strict=True)
+            np.zeros((rows, poles, size), dtype=part.kind)
+            for part, size in zip(self._parts, sizes, strict=True)
         ]
         self._scratch = [np.empty_like(modes[0]) for modes in self._modes]
         self._lasting, self._last = np.zeros((rows, self.size)), 0.0

@@ -138,11 +138,11 @@ def _add_numbers(
     found: dict[str, Number], prefix: str, part: Any, path: Path, known: Mapping[str, str]
 ) -> None:
     """Add all numbers of a part that is a dataclass."""
-    for one in fields(part) if is_dataclass(part) else ():
+    for field in fields(part) if is_dataclass(part) else ():
         # laws and histories of other packages declare dimensions themselves
-        dimension = one.metadata.get("dimension", known.get(one.name, "1"))
-        value = getattr(part, one.name)
-        _add_field(found, f"{prefix}{one.name}", dimension, value, (*path, one.name))
+        dimension = field.metadata.get("dimension", known.get(field.name, "1"))
+        value = getattr(part, field.name)
+        _add_field(found, f"{prefix}{field.name}", dimension, value, (*path, field.name))
 
 
 def _add_load(found: dict[str, Number], prefix: str, load: Any, path: Path) -> None:
@@ -150,14 +150,14 @@ def _add_load(found: dict[str, Number], prefix: str, load: Any, path: Path) -> N
     if not isinstance(load, InterfaceLoad | FrontLoad):
         _add_numbers(found, prefix, load, path, PARAMETERS)
         return
-    for one in fields(load):
-        value, name = getattr(load, one.name), f"{prefix}{one.name}"
-        if one.name in ("front", "history") and is_dataclass(value):
-            inner = prefix if one.name == "front" else f"{name}_"
-            _add_numbers(found, inner, value, (*path, one.name), PARAMETERS)
+    for field in fields(load):
+        value, name = getattr(load, field.name), f"{prefix}{field.name}"
+        if field.name in ("front", "history") and is_dataclass(value):
+            inner = prefix if field.name == "front" else f"{name}_"
+            _add_numbers(found, inner, value, (*path, field.name), PARAMETERS)
         # Without a history the load is one expression of x and t, which has no separate number.
         elif callable(value) or load.history is not None:
-            _add_field(found, name, PARAMETERS.get(one.name, "1"), value, (*path, one.name))
+            _add_field(found, name, PARAMETERS.get(field.name, "1"), value, (*path, field.name))
 
 
 def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
@@ -178,7 +178,7 @@ def _ends(contact: Any, even: bool) -> Iterator[tuple[str, Number]]:
         mirrored = [(n, s) for n, s, other in places if even and other == -end]
         targets = [(("contact", number, side), 1.0)]
         targets += [(("contact", n, s), -1.0) for n, s in mirrored]
-        alone = len({n for n, _, one in places if not even or one > 0}) == 1
+        alone = len({n for n, _, size in places if not even or size > 0}) == 1
         name = f"contact_{'' if alone else f'{own}_'}{('begin', 'end')[side]}"
         yield name, Number(end, "length", tuple(targets))
 
@@ -235,13 +235,13 @@ def _changed(part: Any, changes: Mapping[Path, float]) -> Any:
             below["dynamic"] = {(): part.static * (1 - below.pop("reduction")[()])}
     if isinstance(part, tuple):
         return tuple(
-            _changed(one, below[number]) if number in below else one
-            for number, one in enumerate(part)
+            _changed(item, below[number]) if number in below else item
+            for number, item in enumerate(part)
         )
     held = {head: getattr(part, head) for head in below}
     if held.get("lower_material", part) is None:  # a lower body of its own begins as the upper one
         held["lower_material"] = part.material
-    changed = {head: _changed(one, below[head]) for head, one in held.items()}
+    changed = {head: _changed(value, below[head]) for head, value in held.items()}
     if "law" in changed and isinstance(part, Scene):  # whose friction may be a number
         changed["friction"] = changed.pop("law")
     return replace(part, **changed)

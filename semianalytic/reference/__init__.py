@@ -1,8 +1,7 @@
-"""References for verification: exact solutions in closed form, and the article's algorithm.
+"""References for verification: exact solutions in closed form.
 
 They do not use the solvers, only the Rayleigh function, its factors, compliances and quadrature.
-Every slip rate is relative, both sides, in the units of the scene; only `published_slip` uses the
-article's units, one-sided and over f P_0 / (mu b).
+Every slip rate is relative, both sides, in the units of the scene.
 
 Closed forms, at velocities x/t (chi = f P / Q_0):
 
@@ -23,14 +22,6 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
 - `prescribed_crack`: a crack that grows from a point at a given speed, Kostrov's, Burridge's and
   Broberg's, a `PrescribedCrack`;
 - `weertman_pulse`: a pulse of uniform slip along two different solids, a `WeertmanPulse`.
-
-The algorithm of section 5 and Appendix B, in every reading its text allows:
-
-- `AlgorithmReading`, `readings`, `DEFAULT_READING`: ways to read it;
-- `published_grid`, `kernel_primitives`: its matrix (5.2)-(5.4), (7.5)-(7.10);
-- `published_slip`: its slip rate (5.1), (7.11);
-- `examine_reading`, `examine_all`, `reverse_slip_limit`: how readings fare against what the article
-  says, `REVERSE_LIMIT` among it, at `ARTICLE_POISSON_RATIO` and `ARTICLE_SHEAR_SLOWNESS`.
 """
 
 from semianalytic.reference.antiplane import (
@@ -55,39 +46,14 @@ from semianalytic.reference.openings import (
     gap_rate_of_opening,
 )
 from semianalytic.reference.prescribed_crack import PrescribedCrack, prescribed_crack
-from semianalytic.reference.published import (
-    ARTICLE_POISSON_RATIO,
-    ARTICLE_SHEAR_SLOWNESS,
-    DEFAULT_READING,
-    REVERSE_LIMIT,
-    AlgorithmReading,
-    PublishedGrid,
-    PublishedSlip,
-    ReadingResult,
-    examine_all,
-    examine_reading,
-    kernel_primitives,
-    published_grid,
-    published_slip,
-    readings,
-    reverse_slip_limit,
-)
 from semianalytic.reference.static_zone import StaticZone, static_zone
 from semianalytic.reference.viscous_zone import viscous_edge_speed, viscous_slip_rate
 from semianalytic.reference.weertman import WeertmanPulse, weertman_pulse
 from semianalytic.scene.arguments import checking_functions
 
 __all__ = [
-    "ARTICLE_POISSON_RATIO",
-    "ARTICLE_SHEAR_SLOWNESS",
-    "DEFAULT_READING",
-    "REVERSE_LIMIT",
-    "AlgorithmReading",
     "DetachedOpening",
     "PrescribedCrack",
-    "PublishedGrid",
-    "PublishedSlip",
-    "ReadingResult",
     "StaticZone",
     "WeertmanPulse",
     "antiplane_edge_intensity",
@@ -98,15 +64,8 @@ __all__ = [
     "detached_opening",
     "edge_speed_of_opening",
     "edge_speed_under_shear_step",
-    "examine_all",
-    "examine_reading",
     "gap_rate_of_opening",
-    "kernel_primitives",
     "prescribed_crack",
-    "published_grid",
-    "published_slip",
-    "readings",
-    "reverse_slip_limit",
     "slip_rate_under_remote_shock",
     "slip_rate_under_shear_step",
     "slip_rate_without_friction",

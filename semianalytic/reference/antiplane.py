@@ -1,10 +1,10 @@
 """Antiplane shear in closed form: one slip zone [0, xi_s t] under a step of shear.
 
 In mode III the impedance is M = mu sqrt(b^2 - k^2) and its factor M_+ = sqrt(b + k), so that every
-integral of theory section 4 is elementary (docs/antiplane.md).  Strength is constant, or grows with
-slip rate as f p + viscosity |V|, when the phase arctan(eta / sqrt(v^2 - b^2)), eta = 2 viscosity,
-multiplies the transform by one more canonical product.  Slip and slip rate are relative, upper
-minus lower side; velocities are x/t.
+integral is elementary.  Strength is constant, or grows with slip rate as f p +
+viscosity |V|, when the phase arctan(eta / sqrt(v^2 - b^2)), eta = 2 viscosity, multiplies the
+transform by one more canonical product.  Slip and slip rate are relative, upper minus lower side;
+velocities are x/t.
 """
 
 from __future__ import annotations

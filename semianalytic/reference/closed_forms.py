@@ -2,7 +2,7 @@
 
 Each is a quadrature of elementary functions and S_+ (3.12), (4.20); none uses the panels, the
 collocation grid or Newton's method.  Slip rates are relative, upper minus lower side, and positive
-towards +x; velocities are x/t.  See docs/theory.md, "Closed forms".
+towards +x; velocities are x/t.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def relative_rate(
     material: Material, load: float, xi: Array, one_sided: Callable[[float], float]
 ) -> Array:
     """Return a relative rate from that of one side, over load / (mu b) [length / time]."""
-    rates = [one_sided(float(one)) for one in xi.ravel()]
+    rates = [one_sided(float(speed)) for speed in xi.ravel()]
     return np.asarray(2 * load / material.shear_impedance * np.array(rates).reshape(xi.shape))
 
 

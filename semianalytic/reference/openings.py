@@ -1,9 +1,9 @@
 """Edges and gap rates of a contact that opens under a step of pressure, by quadrature.
 
 Like `closed_forms` they use neither the panels nor Newton's method for zone edges.  P, the
-transform of the change of pressure, is M_+ over square roots at the edges, times what its
-behaviour at infinity leaves open (docs/separation.md).  Gap rates are relative, upper minus lower
-side, opening positive; velocities are x/t.
+transform of the change of pressure, is M_+ over square roots at the edges, times what its behaviour
+at infinity leaves open.  Gap rates are relative, upper minus lower side, opening positive;
+velocities are x/t.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def detached_opening(material: Material, outer: float) -> DetachedOpening:
 
 def _constants(factors: RayleighFactors, start: float, end: float) -> tuple[float, float]:
     """Return R and r for P_0 = 1 for which the gap closes at zero rate."""
-    smooth, sharp = (_closed(factors, start, end, one, 0) for one in ((1.0, 0.0), (0.0, 1.0)))
+    smooth, sharp = (_closed(factors, start, end, powers, 0) for powers in ((1.0, 0.0), (0.0, 1.0)))
     # P(0) = M_+(0) sqrt(u_o u_i) (R + r / u_i) / c = 1, with M_+(0) = c S_+(0) / sqrt(a).
     unit = np.sqrt(factors.a / (start * end)) / float(factors.s_plus(0.0))
     r = unit / (1 / end - sharp / smooth)

@@ -2,8 +2,8 @@
 
 A crack |x| < v t appears at t = 0 in a line under uniform traction, of which it takes off the
 stress drop.  Slip is elliptic, one side moves by A sqrt(v^2 t^2 - x^2), and the transform of its
-rate over x/t is W = C k / (e^2 - k^2)^(3/2), e = 1/v (docs/whole_line.md, "Prescribed speed").
-Broberg (1960) solved mode I, Kostrov (1964) mode III, Burridge (1969) mode II.
+rate over x/t is W = C k / (e^2 - k^2)^(3/2), e = 1/v. Broberg (1960) solved mode I, Kostrov (1964)
+mode III, Burridge (1969) mode II.
 """
 
 from __future__ import annotations

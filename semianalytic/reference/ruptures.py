@@ -72,7 +72,7 @@ def growth(ratio: float, inertia: float, wavenumber: float, impedance: Impedance
         stiff = impedance.static if inertia == 0 else s * _value(impedance, s)
         return 1 - ratio / (1 + value) + kappa / value * stiff
 
-    # All 210 growth rates of docs/engine.md are met to 1e-11.
+    # 210 growth rates are met to 1e-11.
     for kappa in np.geomspace(start, wavenumber, 41)[1:]:
         for _ in range(50):
             step = 1e-7 * abs(found)
@@ -132,7 +132,7 @@ def critical_wavelength(
     """
     for name, value in (("a", a), ("pressure", pressure), ("distance", distance)):
         checked_size(f"critical_wavelength: {name}", value)
-    checked_number("critical_wavelength: rate", rate, "be 0 or more", lambda one: one >= 0)
+    checked_number("critical_wavelength: rate", rate, "be 0 or more", lambda value: value >= 0)
     if not b > a:
         raise SceneError("critical_wavelength: b must be above a, or all waves decay.")
     scale = 2 * a * pressure
@@ -169,7 +169,7 @@ def supershear_strength(poisson_ratio: float, speed: float = 1.0) -> float:
     """
     material = Material(1.0, 1.0, poisson_ratio)
     share = checked_number(
-        "supershear_strength: speed", speed, "lie between 0 and 1", lambda one: 0 < one <= 1
+        "supershear_strength: speed", speed, "lie between 0 and 1", lambda value: 0 < value <= 1
     )
     a = material.shear_speed / material.longitudinal_speed
     impedance = InPlane(a)

@@ -38,8 +38,7 @@ def log_frictionless_half_width(poisson_ratio: float) -> float:
     """Return ln of the half-width [c_R] of the strip that reverses on a frictionless interface.
 
     It is half the distance between the two velocities at which V vanishes under a step of shear
-    alone; where x/t does not resolve the strip, it follows from the logarithm at c_R
-    (docs/theory.md, "Reverse slip").
+    alone; where x/t does not resolve the strip, it is exp(-A / r), as V = A + r ln|v - c| there.
     """
     zone = one_zone("preload", poisson_ratio, past_rayleigh(poisson_ratio, _FASTEST))
     narrow = rayleigh_logarithm(zone).log_half_width

@@ -102,7 +102,7 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
-        if ax is not None and not all(hasattr(one, "pcolormesh") for one in np.ravel(ax)):
+        if ax is not None and not all(hasattr(panel, "pcolormesh") for panel in np.ravel(ax)):
             raise SceneError(f"plot: ax must be Axes of matplotlib, got {shown(ax)}.")
         return drawn(self, ax, t)
 

@@ -27,7 +27,7 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     # The same edge may have been computed twice: what differs by rounding alone is one number.
     different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
     for digits in range(least, 17):
-        if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
+        if len({f"{number:.{digits}{form}}" for number in different}) == len(different):
             # One digit more than distinguishes them, which shows by how much they differ.
             return digits if digits == least else digits + 1
     return 17
@@ -48,7 +48,7 @@ def kind_of_slip(sense: int) -> str:
 
 def html_table(caption: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a caption, headings and rows of cells as a table in HTML; all text is escaped."""
-    head = "".join(f"<th>{escape(one)}</th>" for one in columns)
+    head = "".join(f"<th>{escape(column)}</th>" for column in columns)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
     )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.results.files import new_file
+from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.units import SI
@@ -26,6 +27,10 @@ _SHOWN = {
 }
 """Units of figures of SI scenes: the largest of which there are two or more is drawn."""
 _TRACTIONS = ("pressure", "shear")
+SHADES = {"slip": ("#56B4E9", 0.3), "reverse slip": ("#D55E00", 0.18), "open": ("#F0E442", 0.45)}
+"""Colours behind curves by what the contact does, and their shares in the mixture."""
+_LARGE = 10.0
+"""Ratio of pressure to shear traction above which the pressure is not drawn with it."""
 _APART = 0.06
 """Distance over the width of a figure below which waves share one label."""
 
@@ -60,8 +65,8 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
     limits = _profile(answer, axes, float(np.max(shown)))
 
     def show(t: float) -> None:
-        for one in axes:
-            one.clear()
+        for axis in axes:
+            axis.clear()
         _profile(answer, axes, t, limits)
 
     try:
@@ -102,11 +107,11 @@ def _units(scene: Any, reach: float, end: float) -> list[tuple[float, str]]:
     """Return factors and names of the units of length, time and stress, those of x, t and the
     largest traction that a scene states as a number."""
     if scene.units != SI:
-        return [(1.0, one) for one in _SHOWN]
+        return [(1.0, unit) for unit in _SHOWN]
     stated = (getattr(of, what, 0.0) for of in (scene.base, scene.load) for what in _TRACTIONS)
-    most = max(abs(one) if isinstance(one, float | int) else 0.0 for one in stated)
+    most = max(abs(value) if isinstance(value, float | int) else 0.0 for value in stated)
     units = zip(_SHOWN.values(), (reach, end, most), strict=True)
-    return [next((one for one in of if one[0] * size >= 2), of[-1]) for of, size in units]
+    return [next((unit for unit in of if unit[0] * size >= 2), of[-1]) for of, size in units]
 
 
 def _labelled(what: str, unit: str) -> str:
@@ -117,8 +122,8 @@ def _labelled(what: str, unit: str) -> str:
 def scene_title(scene: Any) -> str:
     """Return what a figure says of its scene."""
     metre, _, pascal = _units(scene, scene.period, 0.0)
-    bodies = [one for one in (scene.material, scene.lower_material) if one is not None]
-    words = ["ν = " + " on ".join(f"{one.poisson_ratio:.3g}" for one in bodies)]
+    bodies = [body for body in (scene.material, scene.lower_material) if body is not None]
+    words = ["ν = " + " on ".join(f"{body.poisson_ratio:.3g}" for body in bodies)]
     words += [scene.mode] * (scene.mode == "antiplane")
     law, load = scene.friction, scene.load
     coefficient = law if isinstance(law, float) else getattr(law, "friction", None)
@@ -134,7 +139,9 @@ def scene_title(scene: Any) -> str:
         if not number or value:
             words.append(f"{of} {what} {_with_unit(value, pascal) if number else 'varies'}")
     words += [] if plain else [_kind_of(load)]
-    histories = {type(one).__name__ for one in scene.acting_histories.values()} if plain else set()
+    histories = (
+        {type(past).__name__ for past in scene.acting_histories.values()} if plain else set()
+    )
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
         words.append(f"period {_with_unit(scene.period, metre)}")
@@ -178,7 +185,7 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
     slips = slips[slips > 0.01 * slips.max(initial=0.0)]
     most = float(np.quantile(slips, 0.99)) if slips.size else 1.0  # higher at the edge
     # as many cells as a picture has pixels: levels and nodes may be tens of thousands
-    rows, columns = (slice(None, None, -(-len(one) // _POINTS)) for one in (t, x))
+    rows, columns = (slice(None, None, -(-len(axis) // _POINTS)) for axis in (t, x))
     cells = x[columns] * length[0], t[rows] * time[0], rate[rows, columns]
     colours = {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
     mesh = ax.pcolormesh(*cells, **colours, shading="nearest", rasterized=True)
@@ -195,7 +202,7 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
             if run > 0:
                 labels.append((*at, name))
     _name(ax, labels, (np.ptp(x) * length[0], t[-1] * time[0]), "data")
-    limits = [one * length[0] for one in (min(x[0], 0.0), x[-1])]
+    limits = [limit * length[0] for limit in (min(x[0], 0.0), x[-1])]
     ax.set(xlabel=_labelled("x", length[1]), ylabel=_labelled("t", time[1]), xlim=limits)
     return ax
 
@@ -203,16 +210,16 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
 def _name(ax: Any, labels: Any, sizes: tuple[float, float], rise: str) -> None:
     """Write the names of waves at places (x, y, name); those close to each other share one."""
     groups: list[list[tuple[float, float, str]]] = []
-    for one in sorted(labels):
+    for label in sorted(labels):
         near = [
             group
             for group in groups
-            if all(abs(group[-1][k] - one[k]) < _APART * sizes[k] for k in (0, 1))
+            if all(abs(group[-1][k] - label[k]) < _APART * sizes[k] for k in (0, 1))
         ]
         if near:
-            near[0].append(one)
+            near[0].append(label)
         else:
-            groups.append([one])
+            groups.append([label])
     for group in groups:
         x, y, _ = group[-1]
         names = ", ".join(dict.fromkeys(name for *_, name in group))
@@ -246,26 +253,34 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     # beside points where it is infinite the curve leaves the figure
     tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
     low, high = (
-        float(np.clip(one, -tallest, tallest)) for one in (np.nanmin(rate), np.nanmax(rate))
+        float(np.clip(value, -tallest, tallest)) for value in (np.nanmin(rate), np.nanmax(rate))
     )
     if high > low:
         margin = 0.05 * (max(high, 0.0) - min(low, 0.0))
         upper.set_ylim(min(low, 0.0) - margin, max(high, 0.0) + margin)
     upper.set_ylabel("slip rate" + " [m/s]" * (scene.units == SI))
     upper.set_title(f"t = {end * time[0]:.4g} {time[1]}".removesuffix(" time"), loc="left")
-    for part in opened:
-        for one in panels:
-            span = (part.start * length[0], min(part.end, reach) * length[0])
-            one.axvspan(*span, color="0.85", label="open" if part is opened[0] else None)
+    kinds = [(kind_of_slip(part.sense), part) for part in answer.zones_at(end)]
+    moving = [*kinds, *(("open", part) for part in opened)]
+    for number, (kind, part) in enumerate(moving):
+        span = (part.start * length[0], min(part.end, reach) * length[0])
+        label = None if kind in (before for before, _ in moving[:number]) else kind
+        for panel, said in zip(panels, (label, None), strict=False):
+            colour, share = SHADES[kind]
+            panel.axvspan(*span, color=colour, alpha=share, linewidth=0, zorder=0, label=said)
+    if moving:
+        upper.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False)
     if len(panels) == 2:
-        for name in reversed(_TRACTIONS):
-            values = stress[0] * getattr(answer, name.replace("shear", "shear_traction"))(x, end)
-            panels[1].plot(x * length[0], values, label=name.replace("shear", "shear traction"))
-            if name == "shear":
-                signs = {float(np.sign(one)) for one in (values.min(), values.max()) if one}
+        of = answer.shear_traction, answer.pressure
+        shear, pressure = (stress[0] * field(x, end) for field in of)
+        panels[1].plot(x * length[0], shear, label="shear traction")
+        largest = np.nanmax(np.abs(shear), initial=0.0)
+        if largest == 0 or np.nanmax(pressure) < _LARGE * largest:
+            panels[1].plot(x * length[0], pressure, label="pressure")
         if isinstance(getattr(scene, "friction", None), float):
+            signs = {float(np.sign(value)) for value in (shear.min(), shear.max()) if value}
             for sign in signs:  # friction bounds the shear traction on the sides that it is on
-                bound = sign * scene.friction * values
+                bound = sign * scene.friction * pressure
                 label = "strength f p" if sign == max(signs) else None
                 panels[1].plot(x * length[0], bound, ":", color="0.3", label=label)
         panels[1].set_ylabel(_labelled("traction", stress[1]))
@@ -275,13 +290,13 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
         for place in (speed * end, -speed * end):
             if start <= place < reach and touching is None:
                 labels.append((place * length[0], 1.0, name))
-                for one in panels:
-                    one.axvline(place * length[0], color="0.7", lw=0.8)
+                for panel in panels:
+                    panel.axvline(place * length[0], color="0.7", lw=0.8)
     _name(upper, labels, ((reach - start) * length[0], 1.0), "axes fraction")
     panels[-1].set_xlabel(_labelled("x", length[1]))
-    for one, set_before in zip(panels, limits[1] if limits else (), strict=False):
-        one.set_ylim(set_before)
-    return (start, reach), [one.get_ylim() for one in panels]
+    for panel, set_before in zip(panels, limits[1] if limits else (), strict=False):
+        panel.set_ylim(set_before)
+    return (start, reach), [panel.get_ylim() for panel in panels]
 
 
 def _waves(answer: Any) -> dict[str, float]:

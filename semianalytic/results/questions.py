@@ -226,7 +226,7 @@ def onsets(seen: Any, of: str, share: float = ONSET_SHARE) -> Array:
     # rounding moves nodes of elements before any slip, when nothing larger was there
     threshold = np.maximum(share * largest, NO_SLIP * largest[-1])
     # at the first level there is no earlier value to interpolate from
-    t, speeds = (np.concatenate([one[:1], one]) for one in (seen.t, rate))
+    t, speeds = (np.concatenate([values[:1], values]) for values in (seen.t, rate))
     return onsets_until(np.full(len(seen.x), np.inf), t, speeds, threshold)
 
 

@@ -254,7 +254,10 @@ def _on_front(scene: Scene, x: Array, t: Array, width: float) -> NDArray[np.bool
 
     A grid rounds off a cusp or jump: the difference from the companion is a part of the error only.
     """
-    begins = {0.0, *(at for one in scene.acting_histories.values() for at in one.pieces.breaks)}
+    begins = {
+        0.0,
+        *(at for history in scene.acting_histories.values() for at in history.pieces.breaks),
+    }
     material = scene.material
     speeds = (material.shear_speed, material.longitudinal_speed)
     found = np.zeros(np.shape(x), dtype=bool)

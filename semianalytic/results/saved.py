@@ -117,10 +117,10 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
             values[name] = scene_from_document(value) if kind is Scene else value
         elif name in group and not hasattr(group[name], "shape"):
             (part,) = (
-                one for one in (kind, *get_args(kind)) if hasattr(one, "__dataclass_fields__")
+                part for part in (kind, *get_args(kind)) if hasattr(part, "__dataclass_fields__")
             )
             # a companion is of the same scene
-            given = {one.name: known[one.name] for one in fields(part) if one.name in known}
+            given = {named.name: known[named.name] for named in fields(part) if named.name in known}
             values[name] = _read(group[name], part, given)
         elif name in group:
             # no deflated array is a thousandth of its size; one that was never written holds none

@@ -29,7 +29,9 @@ def _is_array(value: Any) -> bool:
     # texts and dates would become numbers; rows of different lengths raise, as in all checks
     kind = np.asarray(value).dtype.kind
     np.asarray(value, dtype=float)
-    return kind in "biuf" or (kind == "O" and all(isinstance(one, Real) for one in np.ravel(value)))
+    return kind in "biuf" or (
+        kind == "O" and all(isinstance(item, Real) for item in np.ravel(value))
+    )
 
 
 _Check = tuple[Callable[[Any], bool], str]
@@ -58,7 +60,7 @@ _ALIKE: Mapping[str, tuple[Any, str]] = {
 def _check_of(kind: str) -> _Check | None:
     """The check that an annotation asks for; None if it asks for none that is known here."""
     if kind in _CLASSES:  # by name: this module is imported by theirs
-        return lambda value: kind in (one.__name__ for one in type(value).__mro__), f"a {kind}"
+        return lambda value: kind in (base.__name__ for base in type(value).__mro__), f"a {kind}"
     if kind.partition("[")[0] in _ALIKE and not kind.count(" | "):
         alike, name = _ALIKE[kind.partition("[")[0]]
         return lambda value: isinstance(value, alike), name
@@ -103,9 +105,9 @@ def checking_functions(package: dict[str, Any]) -> None:
 
     Its own modules, which call each other with what was checked, are not slowed down.
     """
-    for name, one in list(package.items()):
-        if inspect.isfunction(one) and one is not checking_functions:
-            package[name] = checking(one)
+    for name, member in list(package.items()):
+        if inspect.isfunction(member) and member is not checking_functions:
+            package[name] = checking(member)
             package[name].__module__ = package["__name__"]  # where pickle finds it
 
 

@@ -236,9 +236,9 @@ def made(
     SceneError
         If a key is unknown or missing, or a value is out of range.
     """
-    parts = sorted(fields(described), key=lambda one: bool(one.kw_only))  # those of all laws last
-    keys = {(spelled or {}).get(one.name, one.name): one for one in parts}
-    needed = [key for key, one in keys.items() if one.default is one.default_factory is MISSING]
+    parts = sorted(fields(described), key=lambda part: bool(part.kw_only))  # those of all laws last
+    keys = {(spelled or {}).get(field.name, field.name): field for field in parts}
+    needed = [key for key, part in keys.items() if part.default is part.default_factory is MISSING]
     values = {key: value for key, value in given.items() if key != "kind"}
     check_keys(f"{name}.", values, needed, [key for key in keys if key not in needed])
     return described(**{keys[key].name: value for key, value in values.items()})

@@ -280,7 +280,7 @@ _IN_FILES = {"kind": "wave", "from_": "from"}
 
 def load_document(load: Load) -> dict[str, Any]:
     """Return a load as a dictionary for TOML or JSON, without fields that were left out."""
-    values = {one.name: getattr(load, one.name) for one in fields(load)}  # type: ignore[arg-type]
+    values = {field.name: getattr(load, field.name) for field in fields(load)}  # type: ignore[arg-type]
     if isinstance(load, Tractions):
         return values
     # Tractions need no kind: files without one were written before there were others.
@@ -311,8 +311,8 @@ def overridden_load(
     Raises SceneError if tractions are given for a wave, or not enough for a new one, or a value is
     out of range.
     """
-    waved: dict[str, Any] = {name: one for name, one in of_wave.items() if one is not None}
-    given: dict[str, Any] = {name: one for name, one in of_tractions.items() if one is not None}
+    waved: dict[str, Any] = {name: value for name, value in of_wave.items() if value is not None}
+    given: dict[str, Any] = {name: part for name, part in of_tractions.items() if part is not None}
     if isinstance(load, tuple) and (waved or given):
         raise SceneError(
             "load: the scene has several loads; change one of them in its file, or vary it as "
@@ -346,6 +346,6 @@ def overridden_load(
         # A speed makes the tractions of the scene move, and those given besides replace them.
         return MovingLoad(**{"pressure": load.pressure, "shear": load.shear} | given)
     for name in given:
-        if name not in {one.name for one in fields(load)}:  # type: ignore[arg-type]
+        if name not in {field.name for field in fields(load)}:  # type: ignore[arg-type]
             raise SceneError(f"load: this load has no {name}; leave it out.")
     return replace(load, **given) if given else load  # type: ignore[type-var]

@@ -96,7 +96,7 @@ def plugin_at_fault(error: BaseException) -> PluginError | None:
     The innermost call inside the modules of a plugin decides, also if that called this package.
     """
     brought = {
-        one.entry.module.partition(".")[0]: one for group in GROUPS for one in plugins(group)
+        found.entry.module.partition(".")[0]: found for group in GROUPS for found in plugins(group)
     }
     calls, trace = [], error.__traceback__
     while trace is not None:
@@ -116,12 +116,12 @@ def plugins(group: str) -> tuple[Plugin, ...]:
         Plugin(group, entry.name, entry.dist.name if entry.dist else "?", entry)
         for entry in entry_points(group=group)
     )
-    return tuple(sorted(brought, key=lambda one: (one.name, one.package)))
+    return tuple(sorted(brought, key=lambda plugin: (plugin.name, plugin.package)))
 
 
 def plugin_names(group: str, own: Collection[str] = ()) -> list[str]:
     """Return the names of plugins in a group that are not among the package's own names."""
-    return [name for name in dict.fromkeys(one.name for one in plugins(group)) if name not in own]
+    return [name for name in dict.fromkeys(mod.name for mod in plugins(group)) if name not in own]
 
 
 def find_plugin(group: str, name: str) -> Plugin | None:
@@ -129,9 +129,9 @@ def find_plugin(group: str, name: str) -> Plugin | None:
 
     Raises PluginError if two packages bring a plugin of that name.
     """
-    named = [one for one in plugins(group) if one.name == name]
+    named = [plugin for plugin in plugins(group) if plugin.name == name]
     if len(named) > 1:
-        packages = " and ".join(one.package for one in named)
+        packages = " and ".join(plugin.package for plugin in named)
         raise PluginError(
             f"The packages {packages} each bring a {_NOUNS[group]} called {name!r}; uninstall all "
             "but one of them."
@@ -185,7 +185,7 @@ def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str
     if not (isinstance(described, type) and issubclass(described, base)):
         yield f"must be a class that inherits {base.__name__}, not {shown(described)}"
         return
-    if ours := [one.__name__ for one in described.__mro__ if one in own]:
+    if ours := [base.__name__ for base in described.__mro__ if base in own]:
         yield f"must inherit {base.__name__} itself, not {ours[0]}, which solvers treat as it is"
     # Python would refuse such a class only when it is made, in the middle of reading a scene.
     asked: frozenset[str] = getattr(described, "__abstractmethods__", frozenset())

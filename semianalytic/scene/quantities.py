@@ -44,7 +44,7 @@ def in_si(what: str, value: Any, dimension: str) -> Any:
     Raises SceneError if the quantity is of another dimension.
     """
     if isinstance(value, list | tuple) and is_quantity(value):
-        return [in_si(what, one, dimension) for one in value]
+        return [in_si(what, item, dimension) for item in value]
     if isinstance(value, InSI) or not is_quantity(value):
         return value
     wanted = "dimensionless" if dimension == "1" else unit(dimension, SI)

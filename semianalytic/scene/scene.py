@@ -336,7 +336,7 @@ class Scene(AlongLine):
         if isinstance(self.friction, float):  # also where the slip rate is infinite
             return np.asarray(self.friction * np.asarray(pressure))
         given = np.broadcast_arrays(pressure, np.abs(slip_rate), path)
-        flat = (np.ravel(one).astype(float) for one in given)
+        flat = (np.ravel(values).astype(float) for values in given)
         return np.reshape(self.law.strength(*flat), given[0].shape)
 
     @cached_property
@@ -425,7 +425,7 @@ class Scene(AlongLine):
         """Histories of the loads that are not zero, by name: pressure, shear."""
         histories = {"pressure": self.pressure_history, "shear": self.shear_history}
         load = self.superposition.taken_off
-        return {name: one for name, one in histories.items() if getattr(load, name)}
+        return {name: history for name, history in histories.items() if getattr(load, name)}
 
     @property
     def is_step(self) -> bool:
@@ -496,6 +496,6 @@ class Scene(AlongLine):
             return 0.0
         radiated = self.material.shear_impedance / 2
         # Plane waves into both half-planes balance friction: shear - strength(V) = (rho c_t / 2) V.
-        one = np.ones(1)
-        (speed,) = self.law.slip_speed(shear * one, held.pressure * one, radiated, 0 * one)
+        unit = np.ones(1)
+        (speed,) = self.law.slip_speed(shear * unit, held.pressure * unit, radiated, 0 * unit)
         return math.copysign(float(speed), held.shear)

@@ -60,10 +60,10 @@ class SelfSimilarAnswer(Gridded):
     def _one_way(self) -> tuple[tuple[float, float], ...]:
         """Velocities between which the sides move along one another in one sense."""
         parts = [(zone.inner, zone.outer) for zone in self.zones]
-        for one in self.openings:
-            v = np.linspace(one.inner, one.outer, _SAMPLED + 2)[1:-1]
+        for gap in self.openings:
+            v = np.linspace(gap.inner, gap.outer, _SAMPLED + 2)[1:-1]
             turns = np.flatnonzero(np.diff(np.sign(self.slip_rate(v, 1.0))))
-            parts += pairwise([one.inner, *(self._turn(v[k], v[k + 1]) for k in turns), one.outer])
+            parts += pairwise([gap.inner, *(self._turn(v[k], v[k + 1]) for k in turns), gap.outer])
         return tuple(sorted(parts))
 
     def _turn(self, low: float, high: float) -> float:

@@ -2,7 +2,7 @@
 
 `loose_search` finds zones that satisfy Coulomb's law on a loose rule, `refined_zones` improves
 their edges until the error estimate is below rtol, and `checked_zones` checks the law once more, to
-rtol.  See docs/solver.md, "Which zones".
+rtol.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Solve a scene: guess the slip zones, locate their edges, check Coulomb's law, correct, refine.
 
 `solve` converts the scene to a load and leads through the stages of `search`, or those of `rated`
-where strength depends on slip rate. See docs/solver.md, "Which zones".
+where strength depends on slip rate.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
             "(docs/limits.md)."
         )
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
-    # The normal problem comes first: slip does not change the pressure (docs/separation.md).
+    # The normal problem comes first: slip does not change the pressure.
     load, normal = with_opening(load, factors, rtol)
     # The opening uses up a part of the wanted accuracy; the slip zones have the rest.
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
@@ -166,8 +166,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
     """Solve a scene of rate-dependent strength, by Newton's method from its constant friction.
 
-    If several solutions exist, this is the one to which the method leads from there (docs/rate.md,
-    "Newton's method for any smooth law").
+    If several solutions exist, this is the one to which the method leads from there.
     """
     clock, coulomb = [perf_counter()], replace(scene, friction=scene.coefficient)
     dry = solve(coulomb, rtol=max(rtol, 1e-8))

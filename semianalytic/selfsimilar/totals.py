@@ -1,8 +1,7 @@
 """Power, work and slip of the contact of a self-similar solution, over all of it or a part.
 
 Fields depend on x/t alone, so that at fixed x an integral over time is one over slowness, and
-integrals over the contact grow like powers of time (docs/theory.md, "Slip under a step, for given
-zones").
+integrals over the contact grow like powers of time.
 """
 
 from __future__ import annotations
@@ -121,7 +120,7 @@ class ContactTotals:
 def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
     """Return times and the ends of intervals of the contact, broadcast and checked."""
     t, inner, outer = np.broadcast_arrays(
-        finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
+        finite_times(t), *(np.asarray(values, dtype=float) for values in (inner, outer))
     )
     if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
         raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")

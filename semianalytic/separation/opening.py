@@ -140,9 +140,9 @@ def detached_opening(
     return OpenPart(zone, ((zone.right, amount),), LEAST_ERROR + 15.0 * error)
 
 
-def _shift(one: Zone, other: Zone) -> float:
+def _shift(zone: Zone, other: Zone) -> float:
     """Return the largest difference of edge velocities over c_t, or a narrow opening's width."""
-    pairs = ((one.left, other.left), (one.right, other.right))
+    pairs = ((zone.left, other.left), (zone.right, other.right))
     ends = [(float(1 / p.v[0]), float(1 / q.v[0])) for p, q in pairs if p and q]
     largest = max(abs(before - after) for before, after in ends)
     width = abs(ends[0][0] - ends[-1][0])
@@ -225,7 +225,7 @@ class Detached:
         )
         # `np.interp` needs increasing abscissas, and the pressure left need not fall with the edge.
         order = np.argsort(rest)
-        opens, closing = (np.interp(0.0, rest[order], one[order]) for one in (first, closing))
+        opens, closing = (np.interp(0.0, rest[order], values[order]) for values in (first, closing))
         return np.array([opens, closing + np.log(width / (1 + np.exp(opens)))])
 
     def _tried_openings(self) -> Array:

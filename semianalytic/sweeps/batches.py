@@ -188,8 +188,8 @@ def approached(
         waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
         previous[waiting] = largest[kept]
-        # The next move is expected to be shorter by `share` again; the first one has no predecessor
-        # that could tell.
+        # The next move is expected to be shorter by `share` again; the first one has no
+        # predecessor.
         arrived = largest[kept] * share < tuning.NEAR if step > 1 else largest[kept] < tuning.NEAR
         left[waiting[arrived]] = share[arrived]
         waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
@@ -297,7 +297,7 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     Edges whose error estimate exceeds rtol are computed on finer rules.
     """
     count, size = len(predictions), len(sets.edges.segments)
-    every = ([getattr(one, field.name) for one in predictions] for field in fields(Prediction))
+    every = ([getattr(start, field.name) for start in predictions] for field in fields(Prediction))
     unknowns, inverse, doubt, tolerances = map(np.array, every)
     unknowns = unknowns.T.reshape(size, count)
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)

@@ -108,8 +108,8 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     zones = tuple(
         replace(
             same[0],
-            left=_column([one.left for one in same]),
-            right=_column([one.right for one in same]),
+            left=_column([part.left for part in same]),
+            right=_column([part.right for part in same]),
         )
         for same in zip(*(fields.zones for fields in every), strict=True)
     )

@@ -115,7 +115,7 @@ class Continuation:
             # below.
             if edges is not None and edges == self._edges(right):
                 between.setdefault(edges, []).extend(inside)
-            fresh = [one for one in self._tries(left, right, inside) if one not in self.tried]
+            fresh = [trial for trial in self._tries(left, right, inside) if trial not in self.tried]
             self.tried |= set(fresh)
             for edges, _, targets in fresh:
                 if edges is not None:
@@ -191,8 +191,8 @@ class Continuation:
                 inverse, values = linearised(sets, start, rule)
                 change = edges.mismatch(start, common_load(beside, self.unit), rule) - values
                 slope = -moves(inverse, change) / step
-            for i, one, gain in zip(chosen, inverse, slope.T, strict=True):
-                self.zones[i] = replace(self.zones[i], inverse=one, slope=gain)
+            for i, matrix, gain in zip(chosen, inverse, slope.T, strict=True):
+                self.zones[i] = replace(self.zones[i], inverse=matrix, slope=gain)
         return nodes
 
     def _inverse_near(self, nodes: list[int], i: int) -> Array:
@@ -214,7 +214,7 @@ class Continuation:
         near = nodes[max(0, place - 3) : place + 3]
         stencil = sorted(near, key=lambda j: abs(self.friction[j] - self.friction[i]))
         known, count = [self.zones[j] for j in stencil], len(stencil)
-        unknowns = np.array([one.unknowns for one in known])
+        unknowns = np.array([zone.unknowns for zone in known])
         value = lagrange(self.friction[stencil], self.friction[i]) @ unknowns
         doubt, first = np.inf, known[0]
         if count == 1 and first.slope is not None:
@@ -233,8 +233,8 @@ class Continuation:
         nodes = self._with_jacobians(edges)
         targets = sorted(i for i in set(targets) if i not in self.solutions)
         predictions = [self._prediction(nodes, i) for i in targets]
-        trusted = [one.doubt < tuning.TRUSTED_DOUBT for one in predictions]
-        for batch in batches(edges, [one.unknowns for one in predictions], trusted):
+        trusted = [prediction.doubt < tuning.TRUSTED_DOUBT for prediction in predictions]
+        for batch in batches(edges, [prediction.unknowns for prediction in predictions], trusted):
             start = perf_counter()
             chosen = [targets[j] for j in batch]
             load = common_load([self.scenes[i] for i in chosen], self.unit)
@@ -301,8 +301,8 @@ class Continuation:
         """Return the interpolated zones whose error estimate is below rtol."""
         known = [self.zones[j] for j in stencil]
         edges, tolerance = known[0].edges, min(self.zones[i].tolerance for i in (left, right))
-        unknowns, at = np.array([one.unknowns for one in known]), self.friction[stencil]
-        known_to = max(one.estimate for one in known), self.rtol
+        unknowns, at = np.array([zone.unknowns for zone in known]), self.friction[stencil]
+        known_to = max(zone.estimate for zone in known), self.rtol
         values, estimate = interpolated(edges, at, unknowns, self.friction[inside], *known_to)
         good = estimate <= self.rtol
         if edges.segments:

@@ -109,7 +109,7 @@ def interpolated(
     return best, least + amplified
 
 
-def _apart(edges: Edges, one: Array, other: Array) -> Array:
+def _apart(edges: Edges, values: Array, other: Array) -> Array:
     """Return how far two interpolations (t, e) are apart, (t,), for an error estimate."""
-    shift = SAFETY * edge_shift(edges, one.T, other.T)
-    return np.maximum(shift, np.abs(one - other).max(axis=1))
+    shift = SAFETY * edge_shift(edges, values.T, other.T)
+    return np.maximum(shift, np.abs(values - other).max(axis=1))

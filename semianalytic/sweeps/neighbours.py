@@ -58,8 +58,8 @@ class Blends:
         """Return the values (t, ...) of both polynomials, from known ones (n, ...)."""
         near = known[self.near]
         flat = near.reshape(*self.near.shape, -1)
-        both = (np.einsum("tm,tmo->to", one, flat) for one in (self.weights, self.others))
-        value, other = (one.reshape(len(near), *known.shape[1:]) for one in both)
+        both = (np.einsum("tm,tmo->to", weights, flat) for weights in (self.weights, self.others))
+        value, other = (values.reshape(len(near), *known.shape[1:]) for values in both)
         return value, other
 
 
@@ -97,7 +97,7 @@ class Neighbourhood:
                 break
             # The monomials of the next degree: x times each of the last degree, and y times its
             # last one, y^d.
-            terms += [*(x * one for one in terms[-degree:]), y * terms[-1]]
+            terms += [*(x * term for term in terms[-degree:]), y * terms[-1]]
             degrees.append(len(terms))
         distance = np.square(offset).sum(axis=-1)
         # Near neighbours count more, by the inverse distance; the constant keeps one that coincides

@@ -177,15 +177,15 @@ class Plane:
         # is that of the digits at both ends plus ln(1/gap).
         digits = 2 - np.log(rule)
         nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
-        for one in range(group.max() + 1):
-            some = np.flatnonzero(group == one)
+        for label in range(group.max() + 1):
+            some = np.flatnonzero(group == label)
             some = some[np.argsort(nodes[some])]
             size = np.cumsum((len(parts[0]) + 2) * nodes[some]) / tuning.PLANE_BATCH
             yield from np.split(some, np.flatnonzero(np.diff(size.astype(int))) + 1)
 
     def _follow(self, pattern: Pattern, certain: np.ndarray, targets: np.ndarray) -> Predictions:
         """Try a pattern of zones at some points; return predictions that may still be right."""
-        known = [i for i, one in self.zones.items() if one.pattern == pattern]
+        known = [i for i, zone in self.zones.items() if zone.pattern == pattern]
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
         # A prediction in greater doubt goes to the fine rule at once, where full Newton steps may
@@ -252,7 +252,7 @@ class Plane:
                 found.setdefault(pattern, []).append((i, trial.placement.unknowns, inverse))
         for pattern, some in found.items():
             points, unknowns, inverse = (np.array(part) for part in zip(*some, strict=True))
-            doubt, rule = (np.full(len(some), one) for one in (tuning.LOCATED, self.rtol / 20.0))
+            doubt, rule = (np.full(len(some), size) for size in (tuning.LOCATED, self.rtol / 20.0))
             every = Predictions(points, unknowns, doubt, inverse, inverse, rule, rule, rule)
             self._compute(pattern, every, FROM_SCRATCH)
 
@@ -269,7 +269,7 @@ class Plane:
         if not found:
             return
         count, size = len(found), len(found[0].unknowns)
-        unknowns = np.array([one.unknowns for one in found]).reshape(count, size).T
+        unknowns = np.array([zone.unknowns for zone in found]).reshape(count, size).T
         every = self._edges(found[0].pattern, points).zones(unknowns)
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(0, steps, 1, size, nodes, stages)
@@ -287,8 +287,8 @@ class Plane:
 def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
     """Return footings from unknowns (e, k) right on the fine rule and inverse Jacobians."""
     if not len(unknowns):
-        return [Footing(one, 0.0) for one in inverse]
+        return [Footing(matrix, 0.0) for matrix in inverse]
     fields = sets.fields(unknowns, loose)
     moved = unknowns - moves(inverse, fields.mismatch())
     shift = shift_error(sets.edges, unknowns, moved, fields)
-    return [Footing(one, float(size)) for one, size in zip(inverse, shift, strict=True)]
+    return [Footing(matrix, float(size)) for matrix, size in zip(inverse, shift, strict=True)]

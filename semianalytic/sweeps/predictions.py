@@ -81,34 +81,34 @@ class Predictions:
     def each(self) -> list[Prediction]:
         """Return the predictions for correction on the fine rule."""
         parts = zip(self.unknowns, self.inverse, self.doubt, self.tolerance, strict=True)
-        return [Prediction(one, two, float(off), rule) for one, two, off, rule in parts]
+        return [Prediction(values, two, float(off), rule) for values, two, off, rule in parts]
 
 
 def predicted(
     known: Sequence[Followed], at: Array, points: np.ndarray, places: Array, rtol: float
 ) -> Predictions:
     """Predict zones at places (t, 2) of points (t,) from those of one pattern known at others."""
-    values = np.array([one.unknowns for one in known])
+    values = np.array([zone.unknowns for zone in known])
     unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
-    footed = [(one, one.footing) for one in known if one.footing is not None]
+    footed = [(zone, zone.footing) for zone in known if zone.footing is not None]
     # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
     # those from the fine rule predict inverse Jacobians.
-    firm = np.array([one.footing is not None for one in known])
+    firm = np.array([zone.footing is not None for zone in known])
     stencils = Neighbourhood(at[firm]).stencils(places)
     # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
     # by the chain rule; `back` returns to unknowns.
     slopes = np.where(shared, _share_slope(values), 1.0)
     scaled = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
-    inverse, others = (one / back for one in stencils.best(values[firm])(scaled))
+    inverse, others = (table / back for table in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
     # The median: a single neighbour on a very fine rule, near a threshold, does not make all
     # points around it expensive.
-    tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
+    tolerance = np.median(np.array([footing.tolerance for footing, _ in footed])[near], axis=1)
     nearest = near[:, :4]  # the largest error estimate of the nearest four
     # The largest error of the nearest neighbours is taken over: a point between them is not known
     # better than they are.
-    estimate = np.array([one.estimate for one, _ in footed])[nearest].max(axis=1)
+    estimate = np.array([zone.estimate for zone, _ in footed])[nearest].max(axis=1)
     shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
     # The share of the estimate for the error of a looser rule, never 0, so that
     # the logarithm below exists.
@@ -136,7 +136,7 @@ def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarra
         plain = stencils.best(own)(own)
         share = 1 / (1 + np.exp(-own))
         by_share = tuple(np.log(x / (1 - x)) for x in stencils.best(share)(share))
-        apart = [_apart(*one) for one in (plain, by_share)]
+        apart = [_apart(*pair) for pair in (plain, by_share)]
         # One choice for each edge, by the median over the points, so that rows of Jacobians from
         # different points can be blended.
         shared[edge] = np.median(apart[1]) < np.median(apart[0])
@@ -146,9 +146,9 @@ def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarra
     return result, doubt, shared
 
 
-def _apart(one: Array, other: Array) -> Array:
+def _apart(values: Array, other: Array) -> Array:
     """Return differences (t,) of values (t, 1), infinite where these are no numbers."""
-    return np.nan_to_num(np.abs(one - other)[:, 0], nan=np.inf)
+    return np.nan_to_num(np.abs(values - other)[:, 0], nan=np.inf)
 
 
 def _share_slope(unknowns: Array) -> Array:
@@ -166,7 +166,7 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
 
 def joined(parts: Sequence[Predictions]) -> Predictions:
     """Join the predictions of several batches."""
-    every = ([getattr(one, field.name) for one in parts] for field in fields(parts[0]))
+    every = ([getattr(part, field.name) for part in parts] for field in fields(parts[0]))
     return Predictions(*map(np.concatenate, every))
 
 

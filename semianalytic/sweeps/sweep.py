@@ -247,7 +247,7 @@ def sweep(
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
         try:
-            given, ratio = (one.ravel() for one in np.broadcast_arrays(given, ratio))
+            given, ratio = (array.ravel() for array in np.broadcast_arrays(given, ratio))
         except ValueError:
             raise SceneError(
                 f"friction of the shape {given.shape} and Poisson ratios of the shape "
@@ -307,7 +307,7 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
 def _scenes(scene: Scene, points: Array) -> list[Scene]:
     """Return a scene at Poisson ratios and frictions (2, n).
 
-    What holds for the least and the largest friction holds between them: these alone are checked.
+    A condition on the least and the largest friction suffices: these alone are checked.
     """
     parts: dict[float, dict[str, Any]] = {}
     for ratio in set(points[0].tolist()):
@@ -315,11 +315,11 @@ def _scenes(scene: Scene, points: Array) -> list[Scene]:
         for friction in (points[1].min(), points[1].max()):
             law = scene.law.with_coefficient(float(friction))
             checked = replace(scene, material=material, friction=law)
-        names = {*(one.name for one in fields(checked)), "_made_in_si"}
+        names = {*(field.name for field in fields(checked)), "_made_in_si"}
         parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
     coefficients = set(points[1].tolist())
-    laws = {one: checked_friction(scene.law.with_coefficient(one)) for one in coefficients}
+    laws = {value: checked_friction(scene.law.with_coefficient(value)) for value in coefficients}
     scenes = [object.__new__(Scene) for _ in range(points.shape[1])]
-    for one, ratio, friction in zip(scenes, *points.tolist(), strict=True):
-        vars(one).update(parts[ratio], friction=laws[friction])
+    for placed, ratio, friction in zip(scenes, *points.tolist(), strict=True):
+        vars(placed).update(parts[ratio], friction=laws[friction])
     return scenes

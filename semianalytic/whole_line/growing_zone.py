@@ -1,7 +1,7 @@
 """One zone of slip from a contact edge under a load and a strength that grow as t^n.
 
 Units: slowness b, impedance mu b, stress and time such that Q_0 = 1.  The n-th time derivatives of
-all fields, over n!, depend on x/t alone (docs/whole_line.md, "Loads that grow"):
+all fields, over n!, depend on x/t alone:
 
     T(k) = M_+(k) (u_s + k)^(-n - 1/2) Pi_n(k),  W = -T / M,  T(0) = Q_0,
 
@@ -63,9 +63,9 @@ def finite_part(power: int, lag: int) -> tuple[Array, Array]:
     transform = 2 * np.cos(np.arange(_POINTS)[:, None] * angle) / _POINTS
     transform[0] /= 2
     both = (1 + np.cos(angle)) / 2, moments @ transform
-    for one in both:
+    for table in both:
         # The cache hands out the same arrays to all callers.
-        one.setflags(write=False)
+        table.setflags(write=False)
     return both
 
 
@@ -101,7 +101,9 @@ class GrowingZone:
     edge: float
 
     def __getstate__(self) -> dict[str, Any]:
-        return {one.name: getattr(self, one.name) for one in fields(self)}  # integrals are closures
+        return {
+            part.name: getattr(self, part.name) for part in fields(self)
+        }  # integrals are closures
 
     @cached_property
     def polynomial(self) -> Array:

@@ -95,10 +95,10 @@ class LineSolution(SelfSimilarAnswer):
 
         It is relative, positive, in [length / time].
         """
-        one = self.spreading
+        patch = self.spreading
         # At the edge ln ((y_p + y) / (y_p - y)) -> 2 y / y_p, and y -> sqrt(2 (1 - |x| / (xi_s
         # t))).
-        return float(self._rate_unit * one.scale * np.sqrt(8.0) / one.beyond)
+        return float(self._rate_unit * patch.scale * np.sqrt(8.0) / patch.beyond)
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Relative slip rate [length / time]; infinite at the end of a patch and at a force.

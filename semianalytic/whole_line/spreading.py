@@ -55,7 +55,9 @@ class Spreading:
     lead: float = np.inf
 
     def __getstate__(self) -> dict[str, Any]:
-        return {one.name: getattr(self, one.name) for one in fields(self)}  # integrals are closures
+        return {
+            part.name: getattr(self, part.name) for part in fields(self)
+        }  # integrals are closures
 
     @cached_property
     def beyond(self) -> float:
@@ -252,8 +254,8 @@ def least_missing(factors: RayleighFactors, patch: float) -> float:
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     def margin(x: float) -> float:
-        one = _at(factors, patch, x)
-        return one.missing() - one.turning[0]
+        spreading = _at(factors, patch, x)
+        return spreading.missing() - spreading.turning[0]
 
     x = _NEAREST
     if factors.mode == "II" and margin(x) < 0:

@@ -54,8 +54,8 @@ def chart(
     problems = [find_problem(source) for source in scenes or [DEFAULT_SCENE]]
     if end_time is not None:
         checked_size("--end-time", end_time)
-        ends = [asked(one.scene, "end_time", end_time, "time") for one in problems]
-        problems = [find_problem(one.source, at) for one, at in zip(problems, ends, strict=True)]
+        ends = [asked(problem.scene, "end_time", end_time, "time") for problem in problems]
+        problems = [find_problem(task.source, at) for task, at in zip(problems, ends, strict=True)]
     directory, notes = output or Path("results", "chart"), Console(stderr=True)
     with working_folder(directory) as files:
         with progress_bar(notes, quiet, "measuring") as progress:

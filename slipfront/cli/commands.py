@@ -243,5 +243,5 @@ def _options(arguments: Sequence[str]) -> set[str]:
         if word not in commands:
             break
         command = commands[word]
-        options |= {one.name for one in command.params if one.param_type_name == "option"}
+        options |= {param.name for param in command.params if param.param_type_name == "option"}
     return options

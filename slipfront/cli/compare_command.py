@@ -246,8 +246,8 @@ def _compare_line(
     case: Any = judgement.case
     done = case.run
     meshes = [
-        {name: getattr(one, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
-        for one in case.simulations
+        {name: getattr(simulation, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
+        for simulation in case.simulations
     ]
     comparison = {**judged_document(judgement), "until": case.until, "meshes": meshes}
     document = {**run_document(done), "status": judgement.verdict, "comparison": comparison}

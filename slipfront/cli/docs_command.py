@@ -62,7 +62,7 @@ def docs(
 
 def pages() -> dict[str, Path]:
     """Return the pages that are installed, by name."""
-    folder = next((one for one in FOLDERS if one.is_dir()), FOLDERS[0])
+    folder = next((folder for folder in FOLDERS if folder.is_dir()), FOLDERS[0])
     return {path.stem: path for path in folder.glob("*.md")}
 
 

@@ -163,7 +163,7 @@ def field_command(
     frames = requests.count_of("animate", animate, 0, requests.MOST_FRAMES)
     times = np.linspace(time / max(frames, 1), time, max(frames, 1)).tolist()
     cells = requests.cells_of(grid) if grid else requests.GRID
-    gauges = [requests.place_of(scene, one) for one in gauge or ()]
+    gauges = [requests.place_of(scene, place) for place in gauge or ()]
     count = 1000 if samples is None else samples
     t = np.linspace(0.0, time, requests.count_of("samples", count, 2, requests.MOST_SAMPLES))
     if form is not None and not frames:

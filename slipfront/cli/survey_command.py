@@ -193,8 +193,8 @@ def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
 
 def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
     numbers = [read_number(scene, name, text, dimension) for text in texts]
-    bare = [one for one in numbers if one and not isinstance(one, InSI)]
-    if 0 < len(bare) < len(numbers) and any(isinstance(one, InSI) for one in numbers):
+    bare = [number for number in numbers if number and not isinstance(number, InSI)]
+    if 0 < len(bare) < len(numbers) and any(isinstance(number, InSI) for number in numbers):
         raise SceneError(
             f"{option_name(name)} must have a unit at each number or at none, got "
             f"{shown(','.join(texts))}."

@@ -133,7 +133,7 @@ def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
     """
     own, called_for = values_of(sliders_of), values_of(scene_of(values))
     return all(values[name] == own[name] for name in FIXED) and all(
-        one.low <= called_for.get(one.name, one.low) <= one.high for one in sliders(sliders_of)
+        bar.low <= called_for.get(bar.name, bar.low) <= bar.high for bar in sliders(sliders_of)
     )
 
 
@@ -143,9 +143,9 @@ def defaults(scene: Scene) -> Values:
     A lower body that is not used has the Poisson ratio of the upper one.
     """
     rest: Values = {}
-    for one in sliders(scene):
-        steps = round((one.low + one.high) / 4 / one.step)
-        rest[one.name] = float(f"{steps * one.step:.12g}")
+    for slider in sliders(scene):
+        steps = round((slider.low + slider.high) / 4 / slider.step)
+        rest[slider.name] = float(f"{steps * slider.step:.12g}")
     rest["lower_poisson_ratio"] = scene.material.poisson_ratio
     words = {name: words[0] for name, words in CHOICES.items()}
     return rest | words | values_of(scene)
@@ -169,7 +169,7 @@ def values_of(scene: Scene) -> Values:
         )
     history = history_document(histories[0]) if histories else {"kind": "step"}
     law = law_table(scene.law)
-    numbers = {name: one.value for name, one in numbers_of(scene).items()}
+    numbers = {name: number.value for name, number in numbers_of(scene).items()}
     for name, part, known in (("law", law, LAWS), ("history", history, HISTORIES)):
         if part["kind"] not in known or "cohesion" in part or part.get("shape") == "exponential":
             raise SceneError(
@@ -214,7 +214,7 @@ def _load_document(values: Mapping[str, Any]) -> Values:
     if kind == "incident-wave":
         given = {"angle": _number(values, "angle"), "stress": _number(values, "wave_stress")}
         return {"kind": kind, "wave": values["wave"], "from": values["wave_from"], **given}
-    tractions = {one: _number(values, f"load_{one}") for one in ("pressure", "shear")}
+    tractions = {name: _number(values, f"load_{name}") for name in ("pressure", "shear")}
     if kind == "moving":
         return {"kind": kind, "speed": _number(values, "load_speed"), **tractions}
     return tractions
@@ -269,7 +269,7 @@ def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, .
     if kind not in known:
         raise SceneError(f"{name} must be one of {', '.join(known)}, got {shown(kind)}.")
     return {"kind": kind} | {
-        one: values.get(one) if one in CHOICES else _number(values, one) for one in known[kind]
+        key: values.get(key) if key in CHOICES else _number(values, key) for key in known[kind]
     }
 
 

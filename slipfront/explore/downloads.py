@@ -40,7 +40,7 @@ def table_file(answer: Any) -> Content:
     x = interface_view(answer).x * scene.material.shear_speed * time
     columns = [x, *(getattr(answer, name)(x, time) for name in _COLUMNS)]
     text = io.StringIO()
-    units = [unit("length", scene.units), *(unit(one, scene.units) for one in _COLUMNS.values())]
+    units = [unit("length", scene.units), *(unit(kind, scene.units) for kind in _COLUMNS.values())]
     text.write(f"# at t = {time!r} {unit('time', scene.units)}; {', '.join(units)}\n")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["x", *_COLUMNS])
@@ -51,13 +51,13 @@ def table_file(answer: Any) -> Content:
 def program(scene: Scene) -> str:
     """Return a short Python program that reproduces the answer."""
     lines = ["import slipfront as sf", "", "scene = sf.Scene("]
-    for one in fields(scene):
-        made = None if one.default_factory is MISSING else one.default_factory()
-        value = getattr(scene, one.name)
-        if value != (made if one.default is MISSING else one.default):
+    for field in fields(scene):
+        made = None if field.default_factory is MISSING else field.default_factory()
+        value = getattr(scene, field.name)
+        if value != (made if field.default is MISSING else field.default):
             text = repr(value)
             # classes stand behind sf
-            lines += _argument(one.name, f"sf.{text}" if text[0].isupper() else text)
+            lines += _argument(field.name, f"sf.{text}" if text[0].isupper() else text)
     time = end_time(scene)
     if chosen(scene).name == "self-similar":
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]

@@ -49,8 +49,8 @@ class RegimeMap:
 def map_key(scene: Scene) -> tuple[object, ...]:
     """Return all that a map depends on: the scene without Poisson ratio and friction, scaled."""
     stress = stress_scale(scene)
-    tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
-    shares = tuple(round(one / stress, 9) for one in tractions)
+    tractions = [value for part in scene.superposition for value in (part.pressure, part.shear)]
+    shares = tuple(round(traction / stress, 9) for traction in tractions)
     front = None if isinstance(scene.load, Tractions) else scene.load
     return (*shares, front, scene.mode, scene.law.with_coefficient(1.0))
 
@@ -80,7 +80,7 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
     image = np.full((size, size), float(names.index("failed")))
     for row, ratio in enumerate(ratios):
         at = override_scene(scene, poisson_ratio=float(ratio))
-        there = [i for i, one in enumerate(friction) if _exists(at, float(one))]
+        there = [i for i, value in enumerate(friction) if _exists(at, float(value))]
         for i, word in zip(there, _words(at, friction[there], swept), strict=True):
             image[row, i] = names.index(word)
         progress(row + 1, size)
@@ -108,8 +108,8 @@ def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str
     """Return the names of the regimes at several frictions."""
     try:
         if swept:
-            return [_word(one) for one in sweep(scene, friction, RTOL)]
-        return [_word(solve(_under(scene, float(one)), rtol=RTOL)) for one in friction]
+            return [_word(solution) for solution in sweep(scene, friction, RTOL)]
+        return [_word(solve(_under(scene, float(value)), rtol=RTOL)) for value in friction]
     except TensionError:
         return ["failed"] * len(friction)
 

@@ -94,7 +94,7 @@ class Session:
         document.title = "slipfront explore"
         interface, others = self._interface, (self._space_time, self._field, self._map)
         panels = (interface.rate, interface.tractions, interface.slip)
-        roots = (*panels, *(one.panel for one in others), self._asked, self._told)
+        roots = (*panels, *(other.panel for other in others), self._asked, self._told)
         # One search for all models in place of eight, each through all roots so far.
         with document.models.freeze():
             for root in roots:
@@ -102,7 +102,7 @@ class Session:
         document.template = template()
         document.template_variables.update(
             scripts=bokeh_scripts(),
-            sliders=[one.name for one in sliders(self._start)],
+            sliders=[slider.name for slider in sliders(self._start)],
             choices=CHOICES,
             scenes=known_queries(),
             quantities=(views.SPEED, views.DISPLACEMENT),
@@ -130,7 +130,7 @@ class Session:
             message = f"The address is no scene: {error} The scene of the command is shown instead."
         if not serve_for(self._ruled, values):
             self._ruled = scene_of(values)
-        ruled = [asdict(one) for one in sliders(self._ruled)]
+        ruled = [asdict(slider) for slider in sliders(self._ruled)]
         shown = {"values": values, "sliders": ruled, "message": message}
         return {**shown, "moment": moment._asdict()}
 

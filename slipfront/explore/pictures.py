@@ -149,7 +149,7 @@ class InterfacePictures:
             slip=_column(view.slip, view.slip_limits[1] - view.slip_limits[0]),
             shear=_column(view.shear, span),
             upper=bound,
-            lower=[None if one is None else -one for one in bound],
+            lower=[None if value is None else -value for value in bound],
             pressure=_column(view.pressure, span),
         )
         board.fill(

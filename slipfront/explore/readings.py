@@ -21,7 +21,7 @@ def readings(answer: Any) -> list[list[str]]:
     parts = [
         (kind_of_slip(zone.sense), zone.inner / speed, zone.outer / speed) for zone in answer.zones
     ]
-    parts += [("open", one.inner / speed, one.outer / speed) for one in answer.openings]
+    parts += [("open", opening.inner / speed, opening.outer / speed) for opening in answer.openings]
     digits = digits_apart((end for _, *ends in parts for end in ends), 5)
     rows = [
         [kind, f"{inner:.{digits}g} … {number_or_infinity(outer, digits)} c_t"]

@@ -35,8 +35,8 @@ def bokeh_scripts() -> list[str]:
 def known_queries() -> dict[str, str]:
     """Return the addresses of the named scenes that the page can show, by name."""
     slots = {
-        name: one.scene
-        for name, one in NAMED_SCENES.items()
-        if one.scene.has_slot and not one.scene.grows
+        name: named.scene
+        for name, named in NAMED_SCENES.items()
+        if named.scene.has_slot and not named.scene.grows
     }
     return {name: query_of(defaults(scene)) for name, scene in slots.items()}

@@ -106,7 +106,7 @@ def _places(solution: Any, nodes: int, share: float) -> Array:
     scene, fronts = solution.scene, contact_fronts(solution.scene)
     far = reach(solution, end_time(scene))[1] / end_time(scene)
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
-    edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
+    edges = [edge for part in parts for edge in (part.inner, part.outer) if 0 < edge < np.inf]
     near = np.array([*fronts.values(), *edges])
     even = np.linspace(far / nodes, far, nodes)
     speeds = np.concatenate([even / share, even, (near[:, None] * (1 + BESIDE)).ravel()])
@@ -115,7 +115,7 @@ def _places(solution: Any, nodes: int, share: float) -> Array:
 
 
 def _limits(values: Array, margin: float) -> tuple[float, float]:
-    low, high = (float(one) for one in np.nanquantile(values, [0.005, 0.995]))
+    low, high = (float(limit) for limit in np.nanquantile(values, [0.005, 0.995]))
     room = margin * max(high - low, 1e-3)
     return low - room, high + room
 
@@ -148,7 +148,7 @@ def space_time_view(answer: Any) -> SpaceTimeView:
     scene = answer.scene
     speed = scene.material.shear_speed
     fronts = contact_fronts(scene)
-    waves = {name: one / speed for name, one in fronts.items()}
+    waves = {name: front / speed for name, front in fronts.items()}
     if answer.method == "space-time":
         last = float(answer.interface.x[-1]) / (speed * end_time(scene))
         return SpaceTimeView((), _senses(answer), last, waves)

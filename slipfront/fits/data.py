@@ -83,11 +83,11 @@ def gauges_and_notes(
     `fitted` holds the parameters to be fitted: changes of tractions do not say their base.
     """
     given: dict[str, float] = {}
-    for name, one in (noise or {}).items():
+    for name, size in (noise or {}).items():
         if name not in ("", *QUANTITIES):
             known = ", ".join(QUANTITIES)
             raise SceneError(f"read_gauges: noise takes {known}, got {shown(name)}.")
-        given[name] = checked_size(f"noise of {name or 'all'}", one)
+        given[name] = checked_size(f"noise of {name or 'all'}", size)
     paths = [paths] if isinstance(paths, str | PathLike) else paths
     if not (np.iterable(paths) and all(isinstance(p, str | PathLike) for p in paths)):
         raise SceneError(f"read_gauges: paths must be a path or several, got {shown(paths)}.")
@@ -95,7 +95,7 @@ def gauges_and_notes(
     notes: dict[str, None] = {}
     unread: dict[str, None] = {}
     options = ReadingOptions(
-        gauges={name: _placed(name, one) for name, one in (gauges or {}).items()}
+        gauges={name: _placed(name, gauge) for name, gauge in (gauges or {}).items()}
     )
     runs = read_records(list(paths), options)
     for run in runs:
@@ -120,7 +120,7 @@ def _placed(name: str, given: object) -> Placed:
             f"a quantity among {', '.join(QUANTITIES)}, got {shown(given)}."
         )
     quantity, *place = given
-    x, *y = (checked_number(f"read_gauges: place of {name}", one) for one in place)
+    x, *y = (checked_number(f"read_gauges: place of {name}", coordinate) for coordinate in place)
     return Placed(quantity, x, y[0] if y and (y[0] or quantity in FIELDS) else None)
 
 
@@ -141,13 +141,13 @@ def _of_run(
     _check_faces(run, scene)
     records = (*run.stations, *run.points)
     if scene is not None and not scene.on_line:
-        records = tuple(one for one in records if one.y is not None or one.x > 0)
+        records = tuple(station for station in records if station.y is not None or station.x > 0)
         dropped = len(run.stations) + len(run.points) - len(records)
         if dropped:
             notes[f"{dropped} stations at x <= 0, off the contact of the scene, are left out"] = (
                 None
             )
-    for quantity in dict.fromkeys(name for one in records for name in one.values):
+    for quantity in dict.fromkeys(name for station in records for name in station.values):
         factor = 2.0 if quantity in run.stated.faces else 1.0
         if factor != 1:
             notes[f"{quantity}: that of one face, doubled"] = None
@@ -155,8 +155,8 @@ def _of_run(
         if quantity == "slip_rate" and run.stated.mean == AFTER and run.stated.step:
             shift = run.stated.step / 2
             notes["slip_rate is a mean over a step and stands for its middle"] = None
-        there = [one for one in records if quantity in one.values]
-        if quantity == "pressure" and all(np.nanmax(one.values[quantity]) < 0 for one in there):
+        there = [station for station in records if quantity in station.values]
+        if quantity == "pressure" and all(np.nanmax(place.values[quantity]) < 0 for place in there):
             factor = -1.0
             notes["pressure: tension is positive, turned"] = None
         changes = quantity in run.stated.changes
@@ -181,8 +181,8 @@ def _check_faces(run: Records, scene: Subject) -> None:
     loads = scene.load if isinstance(scene.load, tuple) else (scene.load,)
     alike = scene.lower_material is None
     sheared = all(
-        isinstance(one, Tractions) or type(one).__name__ == "InterfaceLoad" for one in loads
-    ) and not any(getattr(one, "pressure", 0.0) for one in loads)
+        isinstance(load, Tractions) or type(load).__name__ == "InterfaceLoad" for load in loads
+    ) and not any(getattr(load, "pressure", 0.0) for load in loads)
     if not (alike and sheared):
         raise DataFileError(
             f"{run.source} holds the motion of one face alone, and slip is twice that only where "

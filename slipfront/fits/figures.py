@@ -106,7 +106,7 @@ def _length(fit: Fit, value: float) -> str:
 
 
 def _even(count: int, shown: int) -> list[int]:
-    return [round(one) for one in np.linspace(0, count - 1, shown)]
+    return [round(number) for number in np.linspace(0, count - 1, shown)]
 
 
 def _with_unit(fit: Fit, gauge: Gauge, title: str) -> str:
@@ -143,12 +143,12 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
         left.set_title(panel.title, fontsize=style.SMALL)
         right.set_title("residual / noise", fontsize=style.SMALL)
         dimensioned = unit("time" if panel.along == "t" else "length", fit.scene.units)
-        for one in (left, right):
-            one.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=style.SMALL)
-            one.tick_params(labelsize=style.SMALL)
-            one.ticklabel_format(scilimits=(-3, 4))
-            one.locator_params(axis="x", nbins=5)
-            for axis in (one.xaxis, one.yaxis):
+        for side in (left, right):
+            side.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=style.SMALL)
+            side.tick_params(labelsize=style.SMALL)
+            side.ticklabel_format(scilimits=(-3, 4))
+            side.locator_params(axis="x", nbins=5)
+            for axis in (side.xaxis, side.yaxis):
                 axis.offsetText.set_fontsize(style.SMALL)
         if panel.curves[0].label:
             left.legend(fontsize=style.SMALL)

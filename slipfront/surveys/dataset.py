@@ -167,14 +167,14 @@ def dataset_of(plan: SurveyPlan, chunks: Chunks, command: str) -> Any:
 
     variables = variables_of(plan, chunks)
     arrays: dict[str, Any] = {}
-    for name, one in variables.items():
-        kind: Any = object if one.quantity.kind == TEXT else one.quantity.kind
-        arrays[name] = np.full(one.shape, one.quantity.absent, dtype=kind)
+    for name, variable in variables.items():
+        kind: Any = object if variable.quantity.kind == TEXT else variable.quantity.kind
+        arrays[name] = np.full(variable.shape, variable.quantity.absent, dtype=kind)
     filled(arrays, plan, chunks)
     arrays |= wave_speeds(plan)
-    used = {along for one in variables.values() for along in one.along}
+    used = {along for own in variables.values() for along in own.along}
     return xarray.Dataset(
-        {name: (one.along, arrays[name], dict(one.attrs)) for name, one in variables.items()},
+        {name: (own.along, arrays[name], dict(own.attrs)) for name, own in variables.items()},
         coords={
             name: parts for name, parts in coordinates(plan).items() if used.issuperset(parts[0])
         },

@@ -100,7 +100,7 @@ def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
             ratios = sorted({scene.material.poisson_ratio for scene in scenes})
         if len(ratios) > 1:  # refusals come from the pressure, which has no friction in it
             for ratio in ratios:
-                some = [one for one in points if one[1].material.poisson_ratio == ratio]
+                some = [point for point in points if point[1].material.poisson_ratio == ratio]
                 yield from _answered(some, question)
             return
     for i, scene in points:

@@ -120,10 +120,13 @@ def test_every_test_named_in_docs_exists(page):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
-def test_every_function_named_in_docs_exists(page):
-    for dotted in set(
-        re.findall(r"`((?:semianalytic|fem|meshes|compare|slipfront)(?:\.\w+)+)`", page.read_text())
-    ):
+def test_every_dotted_name_in_docs_exists(page):
+    packages = r"semianalytic|fem|meshes|compare|slipfront|docs\.\w+|tests"
+    text = page.read_text()
+    commands = re.findall(r"python -m (docs[a-z_.]*[a-z_])\b(?!\.[A-Z])", text)
+    for dotted in {*commands, *re.findall(rf"`((?:{packages})(?:\.\w+)+)[`(]", text)}:
+        if (ROOT / dotted).is_file():  # the name of a file, such as compare.csv
+            continue
         module, *rest = dotted.split(".")
         found = importlib.import_module(module)
         for part in rest:
@@ -131,6 +134,23 @@ def test_every_function_named_in_docs_exists(page):
                 found = getattr(found, part)
             except AttributeError:
                 found = importlib.import_module(f"{found.__name__}.{part}")
+
+
+def test_paper_is_in_the_form_of_the_journal():
+    yaml = pytest.importorskip("yaml")
+    text = (ROOT / "docs" / "paper.md").read_text()
+    known = (ROOT / "docs" / "paper.bib").read_text()
+    head = yaml.safe_load(text.split("---")[1])
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert [author["name"] for author in head["authors"]] == [
+        author["name"] for author in citation["authors"]
+    ]
+    assert len(text.split()) <= 1000
+    entries = re.findall(r"^@\w+\{(\w+),$", known, re.MULTILINE)
+    assert sorted(set(re.findall(r"@(\w+)[;\]]", text))) == sorted(entries)
+    assert len(re.findall(r"^  doi = \{10\.\d+/\S+\},$", known, re.MULTILINE)) == len(entries)
+    for part in ("Summary", "Statement of need", "Verification", "Limits", "References"):
+        assert f"\n# {part}\n" in text
 
 
 @cache

@@ -16,7 +16,7 @@ from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.methods import METHODS, chosen
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_LINES
 from semianalytic.whole_line.growing import GrowingSolution
 from semianalytic.whole_line.solution import LineSolution
 

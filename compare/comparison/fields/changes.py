@@ -62,8 +62,8 @@ def field_changes(
 ) -> tuple[FieldChange, ...]:
     """Return the changes of all components of the last frame, whole and outside the band.
 
-    The last frame stands beside the prediction, by the name of the component; frames are those of
-    the simulation and of its coarser meshes, finest first, which `predict` puts beside the
+    The last frame is compared with the prediction, by the name of the component; frames are those
+    of the simulation and of its coarser meshes, finest first, which `predict` compares with the
     prediction.  The band of a width [length] is on either side of a front, the same on all meshes.
     """
     time = frames[0].time

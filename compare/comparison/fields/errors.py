@@ -122,7 +122,7 @@ def field_errors(
     coarser = companion_frames(simulation, folder)
     meshes = [
         (size, frame),
-        *((cell, _undisturbed(simulation, one, cell)) for cell, one in coarser),
+        *((cell, _undisturbed(simulation, coarse, cell)) for cell, coarse in coarser),
     ]
     width = BAND * max(cell for cell, _ in meshes)
 
@@ -136,7 +136,7 @@ def field_errors(
 def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:
     """Return the part of a frame, of a mesh of an element size [length], that no side disturbs.
 
-    Nothing comes back from the sides, but the left one is no part of a slot that goes on: it holds
+    Nothing comes back from the sides, but the left side is no part of a slot that goes on: it fixes
     what plane waves of identical bodies do not move, and between different bodies it disturbs their
     waves from t = 0 on.  It also disturbs those of a load that moves, from when the load arrives.
     """

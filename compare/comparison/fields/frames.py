@@ -23,7 +23,7 @@ CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Places in both bodies at which a frame holds fields.
+    """Places in both bodies at which a frame has fields.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
         if known is None or not known.is_of(points, cells):
             known = _mesh(points, cells, CORNERS[block.type])
     if not all(np.isfinite(values).all() for values in (moved | stress).values()):
-        raise DataFileError(f"{path} holds values that are not finite; simulate again.")
+        raise DataFileError(f"{path} has values that are not finite; simulate again.")
     nodes = Places(points[:, 0], known.y, known.held, moved)
     return Frame(
         time, nodes, Places(known.centre[:, 0], known.centre[:, 1], known.area, stress), known

@@ -103,7 +103,7 @@ class TwoBodies:
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
         """Distance of points from the nearest front of their body, or from the edge [length]."""
-        above, below = (one.distance(x, y, t) for one in (self.upper, self.lower))
+        above, below = (body.distance(x, y, t) for body in (self.upper, self.lower))
         return np.where(np.signbit(y), below, above)
 
 
@@ -116,7 +116,7 @@ def fronts_between(scene: Scene, edges: Sequence[float] = ()) -> TwoBodies:
     """
     bodies, load = scene.bodies, scene.superposition.taken_off
     moving = [edge for edge in edges if 0 < edge < math.inf]
-    waves = [(1 / one.longitudinal_speed, 1 / one.shear_speed) for one in bodies]
+    waves = [(1 / solid.longitudinal_speed, 1 / solid.shear_speed) for solid in bodies]
     sources = {1 / edge for edge in moving}.union(*waves)
     found = []
     for (pressure, shear), body in zip(waves, bodies, strict=True):

@@ -37,7 +37,7 @@ class Pair:
 
 
 def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
-    """Return all components of a frame beside the prediction there, by name.
+    """Return all components of a frame with the prediction there, by name.
 
     At most so many nodes and elements are compared, over the whole mesh.  A mesh made for snapshots
     is so large that nothing comes back from its sides, which fix the displacement that plane waves
@@ -94,6 +94,6 @@ def area_norm(values: Array, area: Array, kept: Mask) -> float:
     return float(np.sum(np.abs(values[kept]) * area[kept]))
 
 
-def alike(one: str, other: str) -> bool:
+def alike(name: str, other: str) -> bool:
     """Whether two components belong to one field."""
-    return one.partition("_")[0] == other.partition("_")[0]
+    return name.partition("_")[0] == other.partition("_")[0]

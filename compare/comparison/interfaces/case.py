@@ -120,13 +120,13 @@ class LineCase(Case):
     @cached_property
     def expected(self) -> tuple[InterfaceHistory, ...]:
         """The run at the nodes of each mesh."""
-        return tuple(predicted_changes(self.run, one.interface.x) for one in self.runs)
+        return tuple(predicted_changes(self.run, run.interface.x) for run in self.runs)
 
     def _beside_slots(self, x: Array, width: float) -> Mask:
         """Return which positions, (n,), are within a width of a slot of the periodic line, in the
         run or on a mesh."""
         answers: tuple[LineFields | LineSimulation, ...] = (self.run.interface, *self.simulations)
-        slots, period = [one.x[~one.touching] for one in answers], self.run.scene.period
+        slots, period = [answer.x[~answer.touching] for answer in answers], self.run.scene.period
         if self.run.scene.even:
             slots.append(-slots[0])
         apart = x[:, None] - np.concatenate(slots) + period / 2
@@ -152,7 +152,7 @@ class LineCase(Case):
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a mesh at which a field is compared: those of the contact, and of
-        tractions, which can be singular, only those beyond some elements beside slots."""
+        tractions, which can be singular, only those some elements away from slots."""
         elements = EDGE_CELLS if UNITS[name] == "stress" else 0.5
         width = (elements + 0.25) * self.simulation.element_size
         return ~self._beside_slots(self.runs[number].interface.x, width)
@@ -178,8 +178,8 @@ class LineCase(Case):
         """
         run, name = self.run, kind.replace(" ", "_")
         mean = {
-            one: float(np.abs(values[:, run.interface.touching]).mean())
-            for one, values in fields_of(run.interface, UNITS).items()
+            name: float(np.abs(values[:, run.interface.touching]).mean())
+            for name, values in fields_of(run.interface, UNITS).items()
         }
         stress = max(mean["shear_traction"], mean["pressure"])
         motion = max(mean["slip"], mean["gap"])
@@ -258,9 +258,9 @@ class LineCase(Case):
 
         def edge(zone: SlipInterval, end: str, history: InterfaceHistory) -> float | None:
             found = [
-                getattr(one, end)
-                for one in self._zones(history)
-                if one.sense == zone.sense and one.start < zone.end and zone.start < one.end
+                getattr(other, end)
+                for other in self._zones(history)
+                if other.sense == zone.sense and other.start < zone.end and zone.start < other.end
             ]
             first = float(history.x[0]) - float(history.x[1] - history.x[0])
             nearest = min(found, key=lambda at: abs(at + first - place), default=math.inf)
@@ -284,27 +284,27 @@ class LineCase(Case):
 
     def _law_rows(self) -> Iterator[Row]:
         """Rows of what every correct simulation fulfils to rounding, over its largest values."""
-        one = self.checked
-        on, stress = one.touching, float(np.abs(one.strength).max(initial=0.0))
-        excess = (np.abs(one.shear_traction) - one.strength)[:, on].max(initial=0.0)
+        run = self.checked
+        on, stress = run.touching, float(np.abs(run.strength).max(initial=0.0))
+        excess = (np.abs(run.shear_traction) - run.strength)[:, on].max(initial=0.0)
         yield own_row(self, BEYOND, max(float(excess), 0.0) / (stress or 1.0), "largest strength")
-        first, last = one.slip - one.window_slip[:, 0], one.window_slip[:, 1] - one.slip
+        first, last = run.slip - run.window_slip[:, 0], run.window_slip[:, 1] - run.slip
         whole = np.abs(first + last)
         slides = (np.abs(first - last) < SLIDES * whole) & (whole > STILL * whole.max()) & on
-        short = np.where(slides & (one.gap == 0), one.strength - np.abs(one.shear_traction), 0.0)
+        short = np.where(slides & (run.gap == 0), run.strength - np.abs(run.shear_traction), 0.0)
         below = float(short.max(initial=0.0)) / (stress or 1.0)
         yield own_row(self, BELOW, below, "largest strength", bar=STOPPED)
         bounds = self._strengths()
         if bounds is not None:
-            other = np.maximum(bounds[0] - one.strength[:, on], one.strength[:, on] - bounds[1])
+            other = np.maximum(bounds[0] - run.strength[:, on], run.strength[:, on] - bounds[1])
             wrong = max(float(other.max(initial=0.0)) / (stress or 1.0), 0.0)
             yield own_row(self, STRENGTH, wrong, "largest strength")
-        gained = np.diff(one.window_slip, axis=1)[:, 0] / np.diff(one.window)
+        gained = np.diff(run.window_slip, axis=1)[:, 0] / np.diff(run.window)
         fastest = float(np.abs(gained).max(initial=0.0)) + self.nothing("slip_rate")
-        off = float(np.abs(gained - one.slip_rate)[:, on].max(initial=0.0))
+        off = float(np.abs(gained - run.slip_rate)[:, on].max(initial=0.0))
         # slip at a time lies between those at the ends of its window, but for a return meanwhile
-        middle, passed = one.window_slip.mean(axis=1), np.diff(one.window)
-        beyond = (np.abs(one.slip - middle) / passed)[:, on].max(initial=0.0) - fastest
+        middle, passed = run.window_slip.mean(axis=1), np.diff(run.window)
+        beyond = (np.abs(run.slip - middle) / passed)[:, on].max(initial=0.0) - fastest
         yield own_row(self, MISMATCH, max(off, float(beyond)) / fastest, "largest slip rate")
 
     def _strengths(self) -> tuple[Array, Array] | None:
@@ -314,19 +314,21 @@ class LineCase(Case):
 
         The stored pressure and strength are means, and strength is linear in pressure.
         """
-        one, law = self.checked, self.run.scene.law
-        on, size = one.touching, self.simulation.element_size
-        if not follows_path(type(law)) or np.any(law.on(one.x[on], size).pressure_delay(0.0)):
+        finest, law = self.checked, self.run.scene.law
+        on, size = finest.touching, self.simulation.element_size
+        if not follows_path(type(law)) or np.any(law.on(finest.x[on], size).pressure_delay(0.0)):
             return None
-        law, pressure = law.on(one.x[on], size), np.maximum(one.pressure[:, on], 0.0)
-        fastest = float(np.abs(np.diff(one.window_slip, axis=1)[:, 0] / np.diff(one.window)).max())
+        law, pressure = law.on(finest.x[on], size), np.maximum(finest.pressure[:, on], 0.0)
+        fastest = float(
+            np.abs(np.diff(finest.window_slip, axis=1)[:, 0] / np.diff(finest.window)).max()
+        )
         none = np.zeros_like(pressure)
         found = [
             np.asarray(law.strength(pressure, none + speed, none + path))
             for speed in (0.0, fastest)
             for path in (0.0, *np.logspace(-30, 30, 61))
         ]
-        opens = one.gap[:, on] > 0
+        opens = finest.gap[:, on] > 0
         return np.where(opens, 0.0, np.min(found, axis=0)), np.max(found, axis=0)
 
 
@@ -338,14 +340,14 @@ def line_case(
     known = done.interface
     refuse_unfinite("the run", known.x, known.t, fields_of(known, UNITS))
     base, mesh = _in_place(done), None
-    for one in reversed(simulations):
-        whose = f"the simulation of {one.nodes} nodes"
-        refuse_unfinite(whose, one.x, one.t, fields_of(one, (*UNITS, "strength")))
-        refuse_unfinite(whose, one.x, one.window[:, 1], {"slip": one.window_slip[:, 1]})
-        still = {name: np.nan_to_num(done.at(values, one.x)) for name, values in base.items()}
-        fields = {name: values - still[name] for name, values in fields_of(one, UNITS).items()}
-        changes = InterfaceHistory(x=one.x, t=one.t, **fields)
-        mesh = LineMesh(one, changes, one.nodes, float(one.x[1] - one.x[0]), mesh)
+    for run in reversed(simulations):
+        whose = f"the simulation of {run.nodes} nodes"
+        refuse_unfinite(whose, run.x, run.t, fields_of(run, (*UNITS, "strength")))
+        refuse_unfinite(whose, run.x, run.window[:, 1], {"slip": run.window_slip[:, 1]})
+        still = {name: np.nan_to_num(done.at(values, run.x)) for name, values in base.items()}
+        fields = {name: values - still[name] for name, values in fields_of(run, UNITS).items()}
+        changes = InterfaceHistory(x=run.x, t=run.t, **fields)
+        mesh = LineMesh(run, changes, run.nodes, float(run.x[1] - run.x[0]), mesh)
     both: tuple[Any, Any] = done, mesh
     coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
     return kind(*both, predicted_changes(done, simulations[0].x), coarse)

@@ -122,12 +122,12 @@ def line_of(scene: Scene, nodes: int, shift: float | None = None) -> Line:
     """Return what finite elements have to know of an interface, at the nodes that `run` has.
 
     Nodes are those of the whole period, on all of which even interfaces are simulated; they are
-    moved by a shift [length], by default what suits the ends of contacts.  Mean slip that is held,
+    moved by a shift [length], by default what suits the ends of contacts.  A prescribed mean slip,
     which no body does, adhesion, and fields without a value at a node raise SceneError.
     """
     if scene.held != math.inf:
         raise SceneError(
-            "simulate: finite elements have no stiffness that holds the mean slip; leave out "
+            "simulate: finite elements have no stiffness for the mean slip; leave out "
             "`held` (docs/engine.md)."
         )
     if scene.adhesion is not None:

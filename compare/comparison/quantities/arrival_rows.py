@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
-"""Least root mean square of a signal, over τ₀ or V₀, that is read.  Of 288 fronts of 119 drawn
+"""Least root mean square of a signal, over τ₀ or V₀, that is read.  Among 288 fronts of 119 drawn
 scenes and 20 named ones, the 25 weakest, of 0.0010 to 0.0012, were within their bar.  Twice this
 value would leave them all out; half of it reads signals that are as weak as the error of the field
 around them."""
@@ -46,9 +46,9 @@ FARTHEST = 1.5
 COARSE_MISFIT = 0.9
 """Largest misfit on a coarser mesh, which only has to show how much larger its error is."""
 ARRIVAL_FLOOR = 0.2
-"""Uncertainty of the position of a front due to nodes alone, in elements.  Of 460 fronts measured,
-two were beyond their bar with this value, by less than a third; without it, P fronts on the slot
-face would have been beyond by 0.8."""
+"""Uncertainty of the position of a front due to nodes alone, in elements.  Among 460 fronts
+measured two were beyond their bar with this value, by less than a third; without it, P fronts on
+the slot face would have been beyond by 0.8."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ def _arrival_row(case: Case, name: str, window: FrontWindow, fields: list[Face])
     error = error_bar(changes, floor) if changes else None
     at, unexplained = left[0]
     if len(left) > 1:
-        # What two meshes leave alike is the mistake of the prediction, which is no error of theirs.
+        # An error that two meshes share is that of the prediction, not theirs.
         unexplained = unexplained - np.interp(at, *left[1])
     added = alignment_bar(at, unexplained, template, window, simulated * shear_speed) / shear_speed
     return judged(case, row, error, added=added)

@@ -66,7 +66,7 @@ def smeared(table: Table, width: float) -> Waveform:
 
 
 def roughness(values: Array, velocity: Array) -> float:
-    """Root mean square of a waveform less its best parabola: how strong a front it holds."""
+    """Root mean square of a waveform less its best parabola: how strong a front it contains."""
     return _rough(values, _trends(velocity))
 
 

@@ -37,13 +37,13 @@ SHARED = 1e-6
 LEVELS = 24
 """Number of times in the last third of the run at which edges are read; their median is used."""
 EDGE_FLOOR = 0.25
-"""Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Of 220
-edges measured, one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
+"""Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Among 220
+edges measured one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
 half this value there would have been four more."""
 SHALLOW = "the gap changes from mesh to mesh at its end by more than it is anywhere"
 """Obstacle of an end of an opening that cannot be read off."""
 NEARBY = 0.5
-"""Part of a zone, or of the gap beside it, up to which edges of two meshes count as the same."""
+"""Part of a zone, or of the gap next to it, up to which edges of two meshes count as the same."""
 LEAST_SEEN = 4
 """Least width, in elements, of slip or an opening that counts although it is not predicted."""
 
@@ -227,7 +227,7 @@ def read_off_bar(case: Case, part: OpenInterval, end: str) -> float:
 
 def _weakness(case: Case, zone: SlipInterval) -> str:
     """Obstacle that slip in a zone is slower than the error bar of slip rate there, or that the
-    simulation has the zone, but with slip too slow to be read; "" if neither holds."""
+    simulation has the zone, but with slip too slow to be read; "" if neither is so."""
     inside = (case.seen.x > zone.start) & (case.seen.x < zone.end)
     rate = case.at_nodes.slip_rate[-1, inside]
     if not len(rate) or not case.coarser:

@@ -42,9 +42,9 @@ With none, a frictionless scene whose slip grows from zero behind the P wave was
 NEIGHBOURS = 2
 """Number of elements on either side of a probe that give the error bar of the slip rate there."""
 SENSE_FLOOR = 0.12
-"""Uncertainty of parts of maps, over the part of nodes and times that lie beside edges of slip."""
+"""Uncertainty of parts of maps, over the part of nodes and times that lie next to edges of slip."""
 ONSET_FLOOR = 0.35
-"""Uncertainty of a time due to nodes and steps, in elements over c_t.  Of 180 times measured, one
+"""Uncertainty of a time due to nodes and steps, in elements over c_t.  Among 180 times measured one
 was farther beyond its bar than that, by a fifth of it; without it there would have been three."""
 
 

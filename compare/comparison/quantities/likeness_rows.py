@@ -61,7 +61,7 @@ def _apart(case: Case, fine: Simulation, coarse: Simulation) -> float:
     """Return the largest difference of a run from the next finer one until a half of its end time,
     over the largest value of a field, at levels that both store.
 
-    What the sides of a mesh send out is seen in means over windows that end after the last level:
+    Waves from the sides of a mesh appear in means over windows that end after the last level:
     by 1e-3 with a Poisson ratio of 0.495.
     """
     longer, shorter, rounding = fine.interface, coarse.interface, WHOLE_STEPS * coarse.time_step

@@ -25,8 +25,8 @@ BAND = 2
 length is the same on all meshes."""
 LOCAL = 1.0
 """Error that the mesh of h may have at a place, over the largest change from 4h to 2h within a band
-around it.  Of all places of 204 scenes, none was off by more than 1.5 times this and `LOCAL_FLOOR`;
-with half of it, 11 scenes would have had one."""
+around it.  Among all places of 204 scenes none was off by more than 1.5 times this and
+`LOCAL_FLOOR`; with half of it, 11 scenes would have had one."""
 LOCAL_FLOOR = 1e-3
 """Least uncertainty everywhere, over the largest value of the field, measured likewise."""
 ASIDE = 0.25
@@ -70,7 +70,7 @@ def _worst(
 ) -> tuple[tuple[int, int], tuple[float, float, float]]:
     unit = case.unit(name)[0]
     seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
-    predicted, simulated = (getattr(one, name) / unit for one in (case.at_nodes, seen))
+    predicted, simulated = (getattr(history, name) / unit for history in (case.at_nodes, seen))
     x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
     change = np.abs(interpolated(middle, name, x, t) - interpolated(coarse, name, x, t)) / unit
     change += _driven(case, name)

@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 WORN = ("final_path", "final_work_density")
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
 AT_REST = "traction before the waves"
-SPARSE = "only some steps of the simulation are stored, which do not tell {}; store all of them"
+SPARSE = (
+    "only some steps of the simulation are stored, which do not determine {}; store all of them"
+)
 
 
 def check_finite(simulation: Simulation) -> None:
@@ -53,7 +55,7 @@ def refuse_unfinite(whose: str, x: Array, t: Array, fields: Mapping[str, Array])
         if len(wrong):
             level, node = wrong[0]
             raise DataFileError(
-                f"{whose} holds a {name.replace('_', ' ')} that is not a finite number, at "
+                f"{whose} has a {name.replace('_', ' ')} that is not a finite number, at "
                 f"x = {x[node]:.6g}, t = {t[level]:.6g}; compute it again."
             )
 
@@ -90,14 +92,14 @@ def _changed_at_rest(case: Case) -> float | None:
     """Largest difference of the tractions at t = 0 from those in place [stress]; None if that level
     is not stored, or if a wave rises while it arrives, so that the contact has had a part of it.
 
-    Where nothing slips no other law tells a pressure that is wrong in proportion.
+    Where nothing slips no other law detects a pressure that is wrong in proportion.
     """
     seen, scene = case.seen, case.scene
     if seen.t[0] > 0 or (scene.arrives and not scene.is_step):
         return None
     rest = scene.superposition.in_place
     changes = [seen.pressure[0] - rest.pressure]
-    # Where friction does not hold the load, the contact slips at once and takes off the rest.
+    # Where the load exceeds friction, the contact slips at once and takes off the rest.
     if scene.far_slip_rate == 0:
         changes.append(seen.shear_traction[0] - rest.shear)
     return float(np.abs(changes).max(initial=0.0))

@@ -186,17 +186,17 @@ def _unseen_between(case: Case) -> tuple[Array, Array]:
     fields = ("t", "slip", "slip_rate", "shear_traction", "pressure", "gap")
     fewer = replace(history, **{name: getattr(history, name)[kept] for name in fields})
     path, work = (
-        np.abs(one - other) for one, other in zip(worn(history), worn(fewer), strict=True)
+        np.abs(fine - other) for fine, other in zip(worn(history), worn(fewer), strict=True)
     )
     return path, work
 
 
 def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:
-    """Norm over τ₀ c_t T of what stick and slip that hold too few nodes do to the shear traction
+    """Norm over τ₀ c_t T of the effect of stick and slip of too few nodes on the shear traction
     between two positions at the end.
 
-    A zone at the edge that the mesh does not show holds the traction there at f p, which moves the
-    singular field beyond it by up to its width.  Of two different bodies that pressed each other
+    A zone at the edge that the mesh does not show keeps the traction there at f p, which moves the
+    singular field beyond it by up to its width.  Two different bodies that pressed each other
     with slip until 0.0016 c_t, the traction was 1.5 bars off without this part, and 0.4 with it.
     """
     width, end = 0.0, case.end_time
@@ -204,7 +204,7 @@ def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:
         *case.prediction.zones_at(end),
         *case.prediction.openings_at(end),
     ]
-    for part in sorted(parts, key=lambda one: one.start):
+    for part in sorted(parts, key=lambda part: part.start):
         if part.start <= (1 + ROUNDING) * width < UNSEEN * case.simulation.element_size:
             width = part.end
     moved = 0.0
@@ -220,7 +220,7 @@ def _unseen_shear(case: Case, reach: tuple[float, float]) -> float:
 
 def _unseen_stick(case: Case) -> Array:
     """Deviation of the predicted shear traction at the end from interpolation between the nodes on
-    either side, in gaps between zones that hold too few nodes, (n,); 0 elsewhere."""
+    either side, in gaps between zones with too few nodes, (n,); 0 elsewhere."""
     gaps, x = case.narrow_gaps[-1], case.seen.x
     traction = case.at_nodes.shear_traction[-1]
     if not gaps.any():

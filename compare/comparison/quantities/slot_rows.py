@@ -41,8 +41,8 @@ def slot_rows(case: Case) -> Iterator[Row]:
     expected = [predict(-places, case.end_time) for places in moved]
     for part, (name, field) in enumerate(zip(names, ("velocity_x", "velocity_y"), strict=True)):
         recorded = [getattr(run.slot, field)[-1] for run in case.runs]
-        faces = [one[here][::-1] for one, here in zip(recorded, shown, strict=True)]
-        known = [np.asarray(one[part]) for one in expected]
+        faces = [rows[here][::-1] for rows, here in zip(recorded, shown, strict=True)]
+        known = [np.asarray(fields[part]) for fields in expected]
         both = Compared(x, every, _of_run(faces), known.__getitem__)
         scale = case.rate, "V₀", "V₀ c_t T"
         row = field_row(case, f"{name} of the slot face", "slot", both, scale, most=most)

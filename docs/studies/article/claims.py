@@ -11,10 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from docs.studies.article.cases import LOW_FRICTION, RATIOS, SHEAR_SPEED, Case, Cases, article_scene
+from docs.studies.article.published import (
+    DEFAULT_READING,
+    REVERSE_LIMIT,
+    examine_reading,
+    published_slip,
+)
 from docs.studies.runner import Row
 from semianalytic import solve
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference import DEFAULT_READING, REVERSE_LIMIT, examine_reading, published_slip
 from semianalytic.selfsimilar.zones.motion import SlipZone
 
 Array = NDArray[np.float64]

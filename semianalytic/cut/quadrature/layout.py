@@ -343,7 +343,7 @@ def _roots(
     roots = []
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
-            if edge is not None and edge.first[root] > 0:  # docs/theory.md, "Where the edges are"
+            if edge is not None and edge.first[root] > 0:
                 # Im M changes its sign at c, and with it which of the two kinds of edge is smooth.
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))

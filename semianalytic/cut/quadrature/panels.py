@@ -3,7 +3,7 @@
 On each panel v = left + width / (1 + rho exp(-y)), or left + rho exp(y) on an unbounded last one,
 and functions live on a uniform grid in y. Whatever power or logarithm a field has at a panel end,
 it is analytic in a strip |Im y| < pi. The trapezoidal rule and sinc interpolation therefore
-converge geometrically in the spacing, uniformly down to the ends (docs/solver.md, "Quadrature").
+converge geometrically in the spacing, uniformly down to the ends.
 
 `lay_panels` constructs the panels of a set of zones.
 
@@ -149,7 +149,7 @@ class Panels:
             kept, pieces = self._pieces(sent, gap)  # the gap is between the near ends of both
             kept = slice(max(kept.start, counted[0]), min(kept.stop, counted[-1] + 1))
             few = [weights[i, ..., kept], *(weights[i, ..., p.nodes] @ p.onto for p in pieces)]
-            away = [own[i, ..., kept], *(one.distances for one in pieces)]
+            away = [own[i, ..., kept], *(piece.distances for piece in pieces)]
             condensed = np.concatenate(few, axis=-1), np.concatenate(away, axis=-1)
             self._spread(target, gap, *condensed, other[i], result[i])
         result[:behind] = result[:behind, ..., ::-1].copy()

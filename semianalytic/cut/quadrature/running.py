@@ -354,7 +354,7 @@ class PanelIntegral:
         return plain + self._of_pole(panel, at) + self._of_powers(panel, at), mean
 
     def _log(self, panel: int, at: CutPoints) -> Array:
-        # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.
+        # At c itself V is infinite; x/t equals that of its neighbours in rounding.
         return np.log(np.maximum(np.abs(at.from_c / self.panels.left[panel].from_c), 1e-16))
 
     def _of_pole(self, panel: int, at: CutPoints) -> Array | float:

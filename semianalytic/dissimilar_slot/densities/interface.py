@@ -85,7 +85,7 @@ def interface_of(scene: Scene) -> tuple[LoadedBodies, float]:
     unit = max(abs(load.pressure), abs(load.shear)) or scene.base.pressure
     # Rates are relative here, as those of the film: no factor of 2, unlike identical bodies.
     resistance = scene.law.viscosity / scene.material.shear_impedance
-    tractions = (part / unit for one in (base, load) for part in (one.pressure, one.shear))
+    tractions = (part / unit for both in (base, load) for part in (both.pressure, both.shear))
     compliance = compliance_of(*scene.bodies)
     return LoadedBodies(compliance, scene.coefficient, resistance, *tractions), unit
 

@@ -52,9 +52,9 @@ def front_end(interface: LoadedBodies, v: float) -> End:
     """Return a cut inside a zone, where densities are bounded; d^(1/2) at a shear front of both
     bodies.
     """
-    one, two = (body.b for body in interface.compliance.bodies)
+    upper, lower = (body.b for body in interface.compliance.bodies)
     # Shear fronts within 3 % of one another count as one.
-    shared = abs(one - two) < 0.03 * one and min(abs(v - one), abs(v - two)) < 0.03 * v
+    shared = abs(upper - lower) < 0.03 * upper and min(abs(v - upper), abs(v - lower)) < 0.03 * v
     # Below 1/2; 0.2 and 0.4 give the same smallest singular value within a tenth.
     return End(0.3, 0.3) if shared else edge_end(0.0)
 

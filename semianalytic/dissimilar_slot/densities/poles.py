@@ -143,12 +143,12 @@ class Pole:
 
 def free_direction(compliance: Compliance, body: int, slowness: float) -> tuple[float, float]:
     """Return n over b^2 / mu at the Rayleigh wave of the upper body, 0, or the lower one, 1."""
-    one = compliance.bodies[body]
-    root = np.sqrt((slowness - one.a) * (slowness + one.a))
-    other = np.sqrt((slowness - one.b) * (slowness + one.b))
-    coupling = -2 * root * other - one.b**2 + 2 * slowness**2  # 2 alpha beta - q, alpha beta < 0
+    moduli = compliance.bodies[body]
+    root = np.sqrt((slowness - moduli.a) * (slowness + moduli.a))
+    other = np.sqrt((slowness - moduli.b) * (slowness + moduli.b))
+    coupling = -2 * root * other - moduli.b**2 + 2 * slowness**2  # 2 alpha beta - q, alpha beta < 0
     sign = 1 if body == 0 else -1
-    return -sign * slowness * float(coupling) / one.b**2, float(root)
+    return -sign * slowness * float(coupling) / moduli.b**2, float(root)
 
 
 def poles_on(glued: Glued, slownesses: Sequence[float], left: float, right: float) -> list[Pole]:

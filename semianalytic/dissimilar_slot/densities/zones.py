@@ -25,9 +25,9 @@ class MovingZone:
     open: bool = False
 
 
-def joined(one: MovingZone, other: MovingZone) -> bool:
+def joined(zone: MovingZone, other: MovingZone) -> bool:
     """Tell whether a zone begins where the one before it ends."""
-    return one.right is not None and one.right == other.left
+    return zone.right is not None and zone.right == other.left
 
 
 def neighbours(
@@ -94,9 +94,9 @@ def coordinates_of(fronts: Sequence[float], edges: Sequence[float]) -> Coordinat
     segments = []
     for edge in edges:
         left, right = next(
-            (one, other)
-            for one, other in pairwise(ends)
-            if one is not None and one < edge and (other is None or edge < other)
+            (end, other)
+            for end, other in pairwise(ends)
+            if end is not None and end < edge and (other is None or edge < other)
         )
         segments.append((left, right))
     return Coordinates(tuple(segments))

@@ -3,9 +3,9 @@
 The bodies are driven by slip rate and opening rate of the whole line, slots included.  Both are
 bounded where tractions are singular, and hold all loads of slots.  One Fourier transform along x
 and one in time, at frequencies s = eta + i omega (the exponential window), give the waves that the
-faces send (`transfer`); sums over them are the fields (`spectrum`).  What acts on the line without
-moving its faces against each other is added: base, tractions that come from afar, and the plane
-wave of an incident load.
+faces send (`transfer`); sums over them are the fields (`spectrum`).  Actions
+that do not move its faces against each other are added: base, tractions that come from afar, and
+the plane wave of an incident load.
 """
 
 from __future__ import annotations
@@ -173,11 +173,11 @@ class MarchedBodies:
                 found[:, at] = spectrum.picture(asked, x[at], depth[at], float(time))
             return found
         levels = self._levels
-        for one in depths:
-            at = np.flatnonzero(depth == one)
+        for level in depths:
+            at = np.flatnonzero(depth == level)
             places, which = np.unique(x[at], return_inverse=True)
             for start in range(0, len(places), AT_ONCE):
-                record = spectrum.histories(asked, places[start : start + AT_ONCE], one)
+                record = spectrum.histories(asked, places[start : start + AT_ONCE], level)
                 here = (which >= start) & (which < start + AT_ONCE)
                 place, weight = between(
                     (t[at[here]] - levels.start) / levels.step, levels.count + 1, 3
@@ -278,8 +278,8 @@ class MarchedBodies:
 class MarchedAnswer(AnswerInBodies):
     """A march, whose companion on half the nodes indicates its errors.
 
-    Fields in the bodies follow from slip and opening of the whole line (docs/spacetime.md, "Fields
-    in the bodies").  Points of one depth, or of one time, share most of the work.
+    Fields in the bodies follow from slip and opening of the whole line.  Points of one depth, or of
+    one time, share most of the work.
     """
 
     if TYPE_CHECKING:  # what the classes have that inherit from this one
@@ -354,8 +354,8 @@ def bodies_on(scene: Scene, motion: Motion, grid: Grid) -> MarchedBodies:
         # a node at an end of half the line has no image
         alone, first = int(not grid.between), -grid.x[-1]
         slip, opening = (
-            np.concatenate([one[:, alone:][:, ::-1], one[:, : one.shape[1] - alone]], axis=1)
-            for one in (slip, opening)
+            np.concatenate([half[:, alone:][:, ::-1], half[:, : half.shape[1] - alone]], axis=1)
+            for half in (slip, opening)
         )
     motion = Motion(motion.t, slip, opening if opening.any() else opening[:, :0])
     spacing = grid.spacing
@@ -378,8 +378,10 @@ def singular_edges(
         inside = math.floor(place) + 1 if side > 0 else math.ceil(place) - 1
         on, off = inside % nodes, (inside - int(side)) % nodes
         slips, opens = (
-            [float(lengths @ np.abs(one[:, at])) for at in (on, off)] if one.size else [0.0, 0.0]
-            for one in (motion.slip, motion.opening)
+            [float(lengths @ np.abs(values[:, at])) for at in (on, off)]
+            if values.size
+            else [0.0, 0.0]
+            for values in (motion.slip, motion.opening)
         )
         pressed = opens[1] > 0 and scene.lower_material is None
         sticks = slips[0] <= STICKS * slips[1] or pressed

@@ -62,11 +62,11 @@ class MotionRecord:
             Slip rates at these, and opening rates if the line may open [length / time].
         """
         self._rows = self._rows or [[] for _ in rates]
-        for rows, one in zip(self._rows, rates, strict=True):
-            rows.append(((one[:-1] + one[1:]) * 0.5).astype(np.float32))
+        for rows, rate in zip(self._rows, rates, strict=True):
+            rows.append(((rate[:-1] + rate[1:]) * 0.5).astype(np.float32))
         self._t += times[1:]
         self._steps += [1] * (len(times) - 1)
-        width = sum(one.shape[1] for one in rates)
+        width = sum(columns.shape[1] for columns in rates)
         if len(self._steps) * width > MOST_VALUES:
             if sum(self._steps) / self._every * width > MOST_VALUES / 2:
                 self._every *= 2
@@ -99,8 +99,8 @@ class MotionRecord:
         ends = np.minimum(earlier.t[1:], time)
         count = int((earlier.t[:-1] < time).sum())
         self._t = [*earlier.t[:1].tolist(), *ends[:count].tolist()]
-        kept = [one for one in (earlier.slip, earlier.opening) if one.shape[1]]
-        self._rows = [[one[:count]] for one in kept]
+        kept = [values for values in (earlier.slip, earlier.opening) if values.shape[1]]
+        self._rows = [[values[:count]] for values in kept]
         self._every = 2 ** round(math.log2(max(steps / max(count, 1), 1)))
         self._steps = [self._every] * count
         if count:
@@ -149,7 +149,7 @@ class Levels:
     def means(self, t: Array, rates: Any) -> Array:
         """Return mean rates (count, n) between these times, given those between others.
 
-        What has moved until a time is interpolated by cubic polynomials through the times given.
+        The motion until a time is interpolated by cubic polynomials through the times given.
         """
         at: Array = np.asarray(self.start + self.step * np.arange(self.count + 1))
         # where steps are even, levels are those of the march
@@ -202,7 +202,7 @@ class Levels:
 def _resampled(t: Array, rates: Any, at: Array) -> Array:
     """Return what moves between times `at` (k,), (k - 1, n), given mean rates between times t.
 
-    What has moved until a time is interpolated by cubic polynomials, and goes on beyond the last.
+    The motion until a time is interpolated by cubic polynomials, and goes on beyond the last.
     """
     lengths = np.diff(t)[:, None]
     beyond, at = np.maximum(at - t[-1], 0.0)[:, None], np.minimum(at, t[-1])

@@ -39,8 +39,8 @@ class Term(NamedTuple):
 
     def factor(self, q: Array, decay: Complex, s: Complex) -> Complex | float:
         """Return decay^falls s^power."""
-        one: Complex | float = decay if self.falls else 1.0
-        return one * s**self.power if self.power else one
+        factor: Complex | float = decay if self.falls else 1.0
+        return factor * s**self.power if self.power else factor
 
 
 def terms_of(asked: Asked, body: Material) -> list[list[Term]]:
@@ -56,7 +56,7 @@ def terms_of(asked: Asked, body: Material) -> list[list[Term]]:
     along = [Term("P", 1.0, 2, 0, -1), Term("S", 1.0, 1, 1, -1)]
     return [
         along,
-        [Term("P", p, 0, 0, 1), *(one._replace(coefficient=-1.0) for one in along)],
+        [Term("P", p, 0, 0, 1), *(term._replace(coefficient=-1.0) for term in along)],
         [Term("P", -1.0, 1, 1, -1), Term("S", 1.0, 2, 0, -1), Term("S", -s / 2, 0, 0, 1)],
         [Term("Z", 0.5, 1, 0, -1)],
         [Term("Z", -0.5, 0, 1, -1)],
@@ -182,9 +182,9 @@ class Spectrum:
         s, rows, levels = self.levels.frequencies, self._terms(asked), self.levels
         # sums over wavenumbers, before the powers of s
         sums = {
-            (one.wave, one.turns, one.falls): np.zeros((len(x), len(s)), dtype=complex)
+            (term.wave, term.turns, term.falls): np.zeros((len(x), len(s)), dtype=complex)
             for row in rows
-            for one in row
+            for term in row
         }
         block = max(1, BLOCK // len(s))
         for start in range(0, len(self.q), block):
@@ -207,8 +207,8 @@ class Spectrum:
                             total[:, seen] += along @ (falling if falls else sent)
         found = np.zeros((len(rows), len(x), len(s)), dtype=complex)
         for row, terms in zip(found, rows, strict=True):
-            for one in terms:
-                row += one.coefficient * s**one.power * sums[one.wave, one.turns, one.falls]
+            for term in terms:
+                row += term.coefficient * s**term.power * sums[term.wave, term.turns, term.falls]
         t = levels.step * np.arange(levels.count + 1)
         values = irfft(found, levels.size, axis=-1)[..., : len(t)]
         return np.asarray(values * (np.exp(levels.fall * t) / levels.step))
@@ -243,19 +243,19 @@ class Spectrum:
         wave = np.exp(s * time) * (2 / (self.levels.size * self.levels.step))
         wave[0] /= 2
         found = np.zeros((len(depths), len(rows), len(self.q)), dtype=complex)
-        terms = [(place, one) for place, row in enumerate(rows) for one in row]
+        terms = [(place, term) for place, row in enumerate(rows) for term in row]
         for index, q in enumerate(self.q):
             counts = slice(self._first(q, depths[0]), None)
             roots = decays(self.body, q, s[counts])
             for name, amplitudes in self.waves.items():
-                own = [one for one in terms if one[1].wave == name]
+                own = [term for term in terms if term[1].wave == name]
                 decay, sent = roots[name != "P"], amplitudes[:, index, counts] * wave[counts]
-                factors = [one.factor(q, decay, s[counts]) for _, one in own]
+                factors = [term.factor(q, decay, s[counts]) for _, term in own]
                 sums = laid_down(
                     depths, decay, np.concatenate([factor * sent for factor in factors])
                 ).reshape(len(depths), len(own), len(sent))
-                for column, (row, one) in enumerate(own):
-                    turned = (1j * q) ** one.turns * one.coefficient
+                for column, (row, term) in enumerate(own):
+                    turned = (1j * q) ** term.turns * term.coefficient
                     ahead, back = sums[:, column, 0], sums[:, column, -1]
                     if self.signs:
                         back = self.signs[name] * back
@@ -299,7 +299,7 @@ def between(at: Array, count: int, degree: int) -> tuple[NDArray[np.intp], Array
     first = np.clip(at.astype(int) - degree // 2, 0, count - len(order))
     offset = (at - first)[:, None] - order
     weight = np.ones(offset.shape)
-    for one in order:
-        others = order != one
-        weight[:, one] = np.prod(offset[:, others] / (one - order[others]), axis=1)
+    for node in order:
+        others = order != node
+        weight[:, node] = np.prod(offset[:, others] / (node - order[others]), axis=1)
     return first[:, None] + order, weight

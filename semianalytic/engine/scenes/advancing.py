@@ -70,7 +70,7 @@ def advance(
     finest, spans = min(span.step for span in whole), spans_to(whole, marched.end_time, end_time)
     if not spans:  # the end has been reached but for rounding
         return marched
-    # `every` is chosen before the first step, from all memory that the march will hold at once.
+    # `every` is chosen before the first step, from all memory that the march will need at once.
     every = affordable_every(marched, memory, spans, finest)
     walk, behind = Walk(marched, spans, finest, every), None
     counted, told = 0, False
@@ -142,12 +142,12 @@ def affordable_every(
     SceneError
         If the march does not fit even without storing anything.
     """
-    both = [one for one in (marched, marched.companion) if one is not None]
+    both = [march for march in (marched, marched.companion) if march is not None]
     steps = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
-    table = sum(_table_bytes(one, at * finest) for at, one in enumerate(both, 1))
-    state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
-    per_level = sum(one.grid.observed * BYTES_STORED for one in both)
-    earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)
+    table = sum(_table_bytes(march, at * finest) for at, march in enumerate(both, 1))
+    state = sum(state_bytes(march.grid.size, march.statistics.poles) for march in both)
+    per_level = sum(march.grid.observed * BYTES_STORED for march in both)
+    earlier = sum(len(march.interface.t) * march.grid.observed * BYTES_STORED for march in both)
     sums = len(both) * steps * 96  # for times, loads and totals
     fixed = int(state + table + sums + earlier + 16 * per_level)  # at least 16 levels must fit
     check_memory(

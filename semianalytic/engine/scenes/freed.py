@@ -33,7 +33,7 @@ MARGIN = 1.05
 def bodies_beside_slot(marched: Any) -> MarchedBodies:
     """Return the bodies of a march beside a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
-    if marched.entry and not scene.front_too_slow:  # no wave may tell where the load begins
+    if marched.entry and not scene.front_too_slow:  # no wave comes from where the load begins
         marched = replace(marched, entry=(1 + MARGIN) * marched.entry)
     grid = _longer(marched)
     front = front_of(scene, grid, marched.entry) if scene.front_slowness else None
@@ -41,7 +41,7 @@ def bodies_beside_slot(marched: Any) -> MarchedBodies:
     opening = np.zeros((len(slip.slip), 0), np.float32)
     if scene.superposition.taken_off.pressure:
         opening = -_moved(marched, FreeFaces(marched, grid, "pressure", front)).slip
-    both = (np.concatenate([one[:, ::-1], one], axis=1) for one in (slip.slip, opening))
+    both = (np.concatenate([half[:, ::-1], half], axis=1) for half in (slip.slip, opening))
     motion, spacing = Motion(slip.t, *both), grid.spacing
     first, centre = (0.5 - grid.slot - grid.size) * spacing, -grid.slot * spacing
     edges = tuple(singular_edges(scene, motion, first, spacing))
@@ -81,7 +81,7 @@ def _slip(marched: Any) -> Callable[[Array, bool], Array]:
         begin, end = known.t[rows - 1], known.t[rows]
         share = np.clip((times - begin) / (end - begin), 0.0, 1.0)[:, None]
         before, last = known.slip_rate[rows - 1], known.slip_rate[rows]
-        if after:  # what is stored is the rate before a jump; the slip of the step tells that after
+        if after:  # what is stored is the rate before a jump; the slip of the step gives that after
             moved = (known.slip[rows] - known.slip[rows - 1]) / (end - begin)[:, None]
             before = np.where(times[:, None] > known.t[0], 2 * moved - last, before)
         rates = before + share * (last - before)

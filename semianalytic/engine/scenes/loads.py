@@ -1,8 +1,8 @@
 """Loads at the nodes of a grid: pressure under any history, and fronts that move over the nodes.
 
-Slip between identical bodies does not change the pressure, so that of the stuck interface holds,
-(3.10) and (3.20) (docs/theory.md, "Stuck tractions").  Under a load that comes everywhere at once
-it is evaluated (`GridPressure`), under a front that moves it is marched (`FrontPressure`).
+Slip between identical bodies does not change the pressure, so it is that of the stuck interface,
+(3.10) and (3.20).  Under a load that comes everywhere at once it is evaluated (`GridPressure`),
+under a front that moves it is marched (`FrontPressure`).
 """
 
 from __future__ import annotations
@@ -87,8 +87,8 @@ class GridPressure:
         self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
-        # The grid sees the inverse square root as if its first node were 0.310 h from the edge
-        # (docs/theory.md, "The edge on a grid"); the pressure has to be seen in the same way.
+        # The grid sees the inverse square root as if its first node were 0.310 h from the edge,
+        # and has to take the pressure in the same way.
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed
@@ -238,7 +238,7 @@ class FreeFaces(ClosedLine):
     nodes : ContactGrid
         Nodes, also those of a longer slot than that of the march.
     name : {"pressure", "shear"}
-        What acts on the line: rates are those at which the slot closes, or slips.
+        The quantity of the load: rates are those at which the slot closes, or slips.
     front : Front, optional
         The load at the nodes, if its front moves.
     given : function of times (k,) and whether they are just after jumps, optional

@@ -2,9 +2,9 @@
 
 The grid is long enough that no wave from x = 0 returns from a mirror at its ends to the observed
 length before the latest time.  Jumps of the loads fall on time levels; between them a level takes
-the load at its time, or the exact mean over a step that holds several samples of a table.  Loads
+the load at its time, or the exact mean over a step that contains several samples of a table.  Loads
 that turn faster than the grid can follow are refused (`resolution`).  The steps are those of
-`stepping.blocks`; see docs/spacetime.md, "Method".
+`stepping.blocks`.
 """
 
 from __future__ import annotations
@@ -128,8 +128,8 @@ def march(
     memory : float, optional
         Memory that the march may take [bytes]; by default 70 % of what the machine has available.
     entry : float, optional
-        Distance from the tip at which a load that comes along the slot begins [length].  By
-        default it is so long that no wave tells the beginning until `latest`.  If the front is no
+        Distance from the tip at which a load that comes along the slot begins [length].  By default
+        it is so long that no wave from the beginning matters until `latest`.  If the front is no
         faster than the first wave, there is no such length, the answer depends on it, and the
         default is `length`; times then begin before 0, where the front reaches the tip.
     go_on : Marched, optional
@@ -240,7 +240,6 @@ def march(
     check_size(scene, latest, length, nodes or least, memory, companion, entry)
     count, coarser = plan.enough_nodes(scene, end_time, length, nodes, least, options), None
     while True:
-        # See docs/spacetime.md, "Error of a march".
         marched, most = computed(count), plan.MOST_NODES
         done = rtol is None or marched.end_time < end_time
         tried = Tried(count, marched.departure.share)

@@ -210,10 +210,10 @@ class Marched(MarchedAnswer, SampledAnswer):
         """Estimate of the relative L1 error of the slip rate, meant as a bound.
 
         It estimates the integral of |error| over the observed contact and all time until the end,
-        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or
-        less if a higher than the first `order` was seen.  It is nan without a companion, and inf
-        where nothing slips though the edge must.  Under rate weakening no grid is fine enough, and
-        it is no bound (docs/spacetime.md, "Friction laws").
+        divided by that of |slip rate|, as 1.25 times the difference of march and companion, or less
+        if a higher than the first `order` was seen.  It is nan without a companion, and inf where
+        nothing slips though the edge must.  Under rate weakening no grid is fine enough, and it is
+        no bound.
         """
         if self.companion is None:
             return math.nan
@@ -259,7 +259,7 @@ class Marched(MarchedAnswer, SampledAnswer):
         # Any slip ever seen counts: a zone may have been on the grid and have healed since.
         slips = self.seen.slip_rate > 0
         least = ZONE_NODES * self.grid.spacing
-        # What the march found is asked first, because it costs nothing.
+        # The march's own record is asked first, because it costs nothing.
         if float(self.grid.x[slips].max(initial=0.0)) >= least:
             return None
         zone = zone_at_edge(self.scene, self.end_time)
@@ -292,7 +292,7 @@ class Marched(MarchedAnswer, SampledAnswer):
         slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
         """
         every = self._missed_zone, self._coarse_weakening, self._inaccurate
-        return tuple(one for one in every if one is not None)
+        return tuple(known for known in every if known is not None)
 
     @property
     def _inaccurate(self) -> Shortfall | None:
@@ -314,8 +314,8 @@ class Marched(MarchedAnswer, SampledAnswer):
         """A sentence that says why the grid is too coarse and what would do; "" if it is not."""
         if not self.shortfalls:
             return ""
-        reasons = "; ".join(one.reason for one in self.shortfalls)
-        times = rounded_up(max(one.times for one in self.shortfalls))
+        reasons = "; ".join(shortfall.reason for shortfall in self.shortfalls)
+        times = rounded_up(max(shortfall.times for shortfall in self.shortfalls))
         return f"{reasons}; raise `nodes` {times} times, or shorten `length` as much"
 
     @property

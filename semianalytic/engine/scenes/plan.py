@@ -82,7 +82,7 @@ def enough_nodes(
         resolving += [math.ceil(ZONE_NODES * length / zone)] if zone else []
         # A zone that even MOST_NODES do not resolve is marched on the usual number of nodes
         # and reported as "unresolved" (`Marched.caution`).
-        nodes = max(least, LEAST_NODES, *(one for one in resolving if one <= MOST_NODES))
+        nodes = max(least, LEAST_NODES, *(count for count in resolving if count <= MOST_NODES))
     # Nodes that were given are not raised silently.
     latest, ratio = options["latest"], options["step_ratio"]
     needed, name = nodes_for_loads(scene, latest, length, nodes, ratio)

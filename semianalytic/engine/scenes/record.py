@@ -51,15 +51,16 @@ class Walk:
         self.count = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
         self._seen, earlier, before = marched.seen, marched.interface, marched.statistics.steps
         whole = (before + self.count) // every - before // every
-        # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
+        # in addition to every n-th: the level at t = 0, the last, and one where the march may be
+        # stopped
         levels = (not len(earlier.t)) + whole + bool((before + self.count) % every) + 1
         # a march ends where the contact would open, so that the gap, the last field, is zero
-        stored = [getattr(earlier, one.name) for one in fields(earlier)][1:-1]
+        stored = [getattr(earlier, field.name) for field in fields(earlier)][1:-1]
         # the pressure before is that of all levels where no load changes it
         self._steady = not marched.scene.superposition.taken_off.pressure
         self._held = np.zeros(marched.grid.observed)
         self._stored = _Rows(stored[:-1] if self._steady else stored, levels)
-        summed = [getattr(marched.totals, one.name) for one in fields(Totals)]
+        summed = [getattr(marched.totals, field.name) for field in fields(Totals)]
         self._summed = _Rows(summed, (not before) + self.count)
 
     def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
@@ -95,7 +96,7 @@ class Walk:
         """Store the level that is reached if the record begins there."""
         at = self.blocks.times[-1:]
         if at[0] == self._marched.recorded_from and not self._stored.count:
-            rate, traction, slip, path, work = (one[-1:] for one in self.blocks.levels)
+            rate, traction, slip, path, work = (level[-1:] for level in self.blocks.levels)
             self._store(at, slip, rate, traction, [pressure])
             self._sum(at, slip, path, work)
 
@@ -137,14 +138,14 @@ class Walk:
             self._held = pressures[-1][: grid.observed]
             self._stored.add(*rows)
         else:
-            self._stored.add(*rows, [one[: grid.observed] for one in pressures])
+            self._stored.add(*rows, [pressure[: grid.observed] for pressure in pressures])
 
     def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
         n, h = self.grid.observed, self.grid.spacing
         largest = np.abs(slips[:, :n]).max(axis=1)
-        self._summed.add(times, largest, *(one[:, :n].sum(axis=1) * h for one in (paths, works)))
+        self._summed.add(times, largest, *(rows[:, :n].sum(axis=1) * h for rows in (paths, works)))
 
     def reached(self) -> Marched:
         """Return the march until the state reached."""
@@ -169,9 +170,9 @@ class _Rows:
 
     def __init__(self, earlier: Sequence[Array], more: int) -> None:
         self.count = len(earlier[0])
-        self._arrays = [np.empty((self.count + more, *one.shape[1:])) for one in earlier]
-        for array, one in zip(self._arrays, earlier, strict=True):
-            array[: self.count] = one
+        self._arrays = [np.empty((self.count + more, *stored.shape[1:])) for stored in earlier]
+        for array, stored in zip(self._arrays, earlier, strict=True):
+            array[: self.count] = stored
 
     def add(self, *rows: Any) -> None:
         """Fill rows, of which each array has some."""

@@ -1,4 +1,4 @@
-"""The contact beside a slot on the mirrored line that suits it: its loads, friction and memory."""
+"""The contact next to a slot on the mirrored line that suits it: its loads, friction and memory."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ SINGLE_SIZE = 4096
 """Nodes up to which all of the memory has single precision: slip rates change by 5e-6 of
 themselves.  Beyond, the lowest eighth of wavenumbers has double precision: they change by 3e-8."""
 SINGLE_RATES = 1e-20, 1e20
-"""Slip rates [length / time] that single precision, 1e-38 to 3e38, holds with all their sums."""
+"""Slip rates [length / time] within single precision, 1e-38 to 3e38, with all their sums."""
 
 Array = NDArray[np.float64]
 
 
 class SlotLine(ClosedLine):
-    """The contact beside a slot, on half of a line that is even about both of its ends.
+    """The contact next to a slot, on half of a line that is even about both of its ends.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class SlotLine(ClosedLine):
         touching = np.arange(nodes.size) >= nodes.slot
         self.balance = Balance(self.law, self.impedance, touching, self.grid, falls=True)
         # rates of units that are far from 1 would leave the range of single precision
-        sizes = [max(abs(one.pressure), abs(one.shear)) for one in scene.superposition]
+        sizes = [max(abs(load.pressure), abs(load.shear)) for load in scene.superposition]
         usual = SINGLE_RATES[0] < max(sizes) / self.impedance < SINGLE_RATES[1]
         double = 0 if nodes.size <= SINGLE_SIZE else nodes.size // 8
         double = double if usual else nodes.size
@@ -94,7 +94,7 @@ class SlotLine(ClosedLine):
         """Return the history of the shear load at the ends of steps, (k,); before it at a jump.
 
         Where several breaks of the history lie within the step around an end, it is the exact mean
-        over that step (docs/spacetime.md, "Resolution of the grid").
+        over that step.
         """
         history = self.scene.shear_history
         values, breaks, half = history.value(ends), np.array(history.pieces.breaks), steps / 2
@@ -128,7 +128,7 @@ def spans_until(marched: Any) -> list[Span]:
     """
     # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
     at = {0.0, *marched.scene.jumps, marched.latest}
-    stops = sorted(one for one in at if marched.begins < one <= marched.latest)
+    stops = sorted(time for time in at if marched.begins < time <= marched.latest)
     longest = marched.step_ratio * marched.grid.spacing / marched.scene.material.shear_speed
     return [
         Span(begin, stop, (stop - begin) / (2 * max(1, math.ceil((stop - begin) / longest / 2))))

@@ -94,7 +94,7 @@ class ActingLoads:
         kept: list[float] | None = None
         line = slot = self._base
         for at, time in enumerate(times):
-            now = [one[at] for one in factors]
+            now = [factor[at] for factor in factors]
             if not steady or now != kept:
                 line, slot = self(time)
                 slot, kept = slot[self._free], now
@@ -131,7 +131,7 @@ def check_even(
     for part, called in ((scene.law, "friction"), (scene.adhesion, "adhesion")):
         if is_dataclass(part):
             parameters = [
-                (f"{called}: {one.name}", getattr(part, one.name)) for one in fields(part)
+                (f"{called}: {field.name}", getattr(part, field.name)) for field in fields(part)
             ]
             fields_along += [(name, value) for name, value in parameters if callable(value)]
     given += [(name, partial(sampled, name, value), on) for name, value in fields_along]

@@ -1,7 +1,7 @@
 """A march from one stop to the next: in blocks of equal steps where the law allows, or one by one.
 
-Both kinds of march, along a line and beside a slot, go through the same spans of time: each ends at
-a jump of the loads, or where the march does.
+Both kinds of march, along a line and next to a slot, go through the same spans of time: each ends
+at a jump of the loads, or where the march does.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ def _one_by_one(
             both = [now, stepper.advance(now, stop)]
             now = both[1]
             stopped = asked(now.time)
-            times, rates = [one.time for one in both], np.array([one.rate for one in both])
+            times, rates = [march.time for march in both], np.array([march.rate for march in both])
             yield Taken(times, rates, both.__getitem__)
             if stopped:
                 return

@@ -171,8 +171,8 @@ def _nodes(chosen: NDArray[np.bool_]) -> slice | NDArray[np.bool_]:
     found = np.flatnonzero(chosen)
     if not len(found):
         return slice(0, 0)
-    one = slice(int(found[0]), int(found[-1]) + 1)
-    return one if chosen[one].all() else chosen
+    span = slice(int(found[0]), int(found[-1]) + 1)
+    return span if chosen[span].all() else chosen
 
 
 def freed_rate(

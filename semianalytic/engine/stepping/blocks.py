@@ -47,7 +47,7 @@ class Level(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """What steps of a closed contact start from.
+    """The state that steps of a closed contact start from.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class EqualSteps:
     """The march of a closed contact in equal steps, under a law that sticks.
 
     Slip rate is linear in time over a step; the contribution of its end value to the memory is
-    iterated in sweeps (docs/engine.md, "Method").
+    iterated in sweeps.
 
     Parameters
     ----------
@@ -292,7 +292,7 @@ class EqualSteps:
             if self._follows:
                 now = np.abs(rate[on])
             self._amplitudes(rate, transform)
-        # the first amplitude is the sum over all nodes, which one value that is not finite spoils
+        # the first amplitude is the sum over all nodes, which is finite if all values are
         if not math.isfinite(transform[0, 0]):
             raise ComputationError(
                 f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."

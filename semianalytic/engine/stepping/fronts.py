@@ -66,8 +66,8 @@ class ActingFront(FrontLoad):
         if self.lower is not None and isinstance(self.front, IncidentWave):
             pressure, shear = bonded_tractions(self.front, self.material, self.lower)
             return {"pressure": pressure, "shear": shear}
-        one = self.front.tractions(self.material)
-        return {"pressure": complex(one.pressure), "shear": complex(one.shear)}
+        traction = self.front.tractions(self.material)
+        return {"pressure": complex(traction.pressure), "shear": complex(traction.shear)}
 
     def traction(
         self,
@@ -118,11 +118,15 @@ def acting_loads(scene: Scene) -> tuple[InterfaceLoad | ActingFront, ...]:
     """
     solids: dict[str, Any] = {"material": scene.material, "lower": scene.lower_material}
     loads = tuple(
-        ActingFront(one.front, one.history, one.at, **solids) if isinstance(one, FrontLoad) else one
-        for one in scene.loads
+        ActingFront(load.front, load.history, load.at, **solids)
+        if isinstance(load, FrontLoad)
+        else load
+        for load in scene.loads
     )
     for load in loads:
-        ahead = isinstance(load, ActingFront) and any(one.imag for one in load.amplitudes.values())
+        ahead = isinstance(load, ActingFront) and any(
+            size.imag for size in load.amplitudes.values()
+        )
         if isinstance(load, ActingFront) and ahead and not comes_back(load.history):
             raise SceneError(
                 f"load: {load.front} is beyond a critical angle, so that the wave runs "

@@ -46,9 +46,9 @@ def with_period(scene: Scene, end_time: float) -> Scene:
     """
     if math.isfinite(scene.period):
         return scene
-    loads = [one for one in scene.loads if isinstance(one, InterfaceLoad)]
+    loads = [load for load in scene.loads if isinstance(load, InterfaceLoad)]
     tractions: list[Any] = [scene.base, *loads]
-    given = [one for part in tractions for one in (part.pressure, part.shear)]
+    given = [value for part in tractions for value in (part.pressure, part.shear)]
     parts = [*vars(scene.law).values(), *(vars(scene.adhesion).values() if scene.adhesion else ())]
     if any(map(callable, (*given, *parts, scene.rate))):
         raise SceneError("scene: fields vary along x; give the `period` of the line.")

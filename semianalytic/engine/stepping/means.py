@@ -1,4 +1,5 @@
-"""What keeps the steps of a march stable and quiet: means over cells, and damped short waves."""
+"""Measures that keep the steps of a march stable and quiet: means over cells, and damped short
+waves."""
 
 from __future__ import annotations
 
@@ -45,7 +46,7 @@ def area_means(
     """
     below, last = excess < 0, len(excess) - 1
     # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
-    # Elsewhere the mean differs from the value only beside a change of sign, which the ends of the
+    # Elsewhere the mean differs from the value only at a change of sign, which the ends of the
     # line may have beyond them.
     changes = (below[1:] != below[:-1]).nonzero()[0].tolist()
     beside = {*changes, *(node + 1 for node in changes)}

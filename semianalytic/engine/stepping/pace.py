@@ -93,7 +93,7 @@ class LoadPace:
             # 0.02, 0.04 and 0.7 % with 0.1; 0.05 gains nothing.
             enough = float(np.interp(time, self._times, passed)) + 0.1
             if enough < passed[-1]:
-                # the variation rises from sample to sample, so that the first one beyond tells
+                # the variation rises from sample to sample, so that the first one beyond decides
                 after = int(np.searchsorted(passed, enough))
                 sides = slice(after - 1, after + 1)
                 longest = min(
@@ -177,7 +177,7 @@ def nodes_for_histories(scene: Scene, end_time: float) -> float:
     """Return how many nodes of a period follow the histories of all loads; inf if none do.
 
     A grid of node distance h follows a history that turns no more than `march` allows within steps
-    h / (2 c_t) of the slower body.  Of a function of time 1001 values are looked at.
+    h / (2 c_t) of the slower body.  A function of time is sampled 1001 times.
     """
     pair = pair_of(scene)
     speed = scene.material.shear_speed if pair is None else pair.speed

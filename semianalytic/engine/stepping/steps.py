@@ -103,7 +103,7 @@ class Stepper(ClosedLine):
             if bonds is not None:
                 longest = min(longest, self._check_adhesion(bonds, stiff))
         self._has_slots = not self.touching.all()
-        # the stiffness that holds the mean slip may be that of a shorter wave than the grid has
+        # the stiffness of the mean slip may be that of a shorter wave than the grid has
         q = max(math.pi / spacing, held)
         self.ladder = Ladder(
             self.law,
@@ -222,13 +222,13 @@ class Stepper(ClosedLine):
             left = stop - now.time
             # A step that almost reaches the stop is stretched to it, so that no sliver is left.
             last = left <= length * (1 + 1e-9)
-            kept = [one.past() for one in self._every_memory()] if rung > 0 else []
+            kept = [memory.past() for memory in self._every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
             begins = after.rate[self.touching].any() and not now.rate[self.touching].any()
             if not kept or (not begins and length <= self.ladder.convergent(after) / BOUND_SHARE):
                 return after
-            for memory, one in zip(self._every_memory(), kept, strict=True):
-                memory.put_back(one)
+            for memory, past in zip(self._every_memory(), kept, strict=True):
+                memory.put_back(past)
             rung -= 1
             length = self.ladder.length(rung)
 

@@ -1,4 +1,4 @@
-"""Tuning constants of the engine, each with the measurement that set it (docs/engine.md)."""
+"""Tuning constants of the engine, each with the measurement that set it."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ MOST_NODES = 16384
 ZONE_NODES = 3.0
 """Nodes on mu / (fall of strength per slip) from which on a rupture is resolved."""
 BESIDE_EDGE_ERROR = 0.3
-"""Error of a singular traction beside an edge; with half pressure is off by 1.2 estimates."""
+"""Error of a singular traction next to an edge; with half pressure is off by 1.2 estimates."""
 FILM_EDGE_ERROR = 0.45
 """Error of slip beside an edge under a stiff film, over that of the first node: 0.35 in closed
 form, 0.48 on 7 nodes."""
 LEAST_GAP = 0.01
-"""Part of slip below which gaps decide nothing: beside slots nodes open by 2e-4."""
+"""Part of slip below which gaps decide nothing: next to slots nodes open by 2e-4."""
 LEAST_ZONE = 0.1
 """Part of the largest slip zone below which the error of another one does not count by itself."""

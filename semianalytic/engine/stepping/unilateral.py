@@ -151,7 +151,7 @@ class Unilateral:
         return np.where(held, closed, 0.0 - tension), rate
 
     def _parted(self, stopping: Array, now: Faces, length: float) -> Array:
-        """Return the opening rate (n,) of nodes that adhesion holds, if the gap does not close.
+        """Return the opening rate (n,) of nodes that adhere, if the gap does not close.
 
         The pressure stopping + Z U is then that of the tension at the gap g + length U.  On the way
         back the tension is in proportion to the gap; beyond the largest gap so far it falls.

@@ -119,8 +119,8 @@ class _Writing:
         if isinstance(load, FrontLoad):
             return {**load_document(load.front), "at": load.at, "history": self(load.history)}
         if isinstance(load, InterfaceLoad):
-            parts = ((one.name, getattr(load, one.name)) for one in fields(load))
-            return {key: self(one) for key, one in parts if not _is_usual(one)}
+            parts = ((field.name, getattr(load, field.name)) for field in fields(load))
+            return {key: self(value) for key, value in parts if not _is_usual(value)}
         return self.all(load_document(load))
 
     def _digest(self, function: Callable[..., Any]) -> str:
@@ -128,7 +128,7 @@ class _Writing:
         digest = hashlib.sha256()
         x, t = np.linspace(-self._half, self._half, _POINTS), np.linspace(0.0, self._end, _POINTS)
         # A function does not say what it takes: all three ways are tried, and failures count too.
-        ways = ((x,), *((x, one) for one in t[:: _POINTS // _TIMES]), *((one,) for one in t))
+        ways = ((x,), *((x, time) for time in t[:: _POINTS // _TIMES]), *((time,) for time in t))
         for arguments in ways:
             try:
                 digest.update(np.asarray(function(*arguments), dtype=float).tobytes())
@@ -161,7 +161,7 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
     if not isinstance(loads, list | dict):
         raise SceneError("load must be one table, [load], or several, [[load]].")
     contact = read.contact(document.get("contact"))
-    given = [read.load(one, contact) for one in (loads if isinstance(loads, list) else [loads])]
+    given = [read.load(table, contact) for table in (loads if isinstance(loads, list) else [loads])]
     parts: dict[str, Any] = {
         name: history_from_table(name, document[name])
         for name in HISTORY_FIELDS
@@ -177,15 +177,15 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
     if "friction_law" in document:
         table = checked_table("friction_law", document["friction_law"])
         values = {
-            key: one if key in LAW_WORDS else read.field(f"friction_law.{key}", one)
-            for key, one in table.items()
+            key: value if key in LAW_WORDS else read.field(f"friction_law.{key}", value)
+            for key, value in table.items()
         }
         friction = law_from_table("friction_law", values, friction)
     if "adhesion" in document:
         table = checked_table("adhesion", document["adhesion"])
         check_keys("adhesion.", table, ("strength", "length"))
         parts["adhesion"] = Adhesion(
-            **{key: read.field(f"adhesion.{key}", one) for key, one in table.items()}
+            **{key: read.field(f"adhesion.{key}", value) for key, value in table.items()}
         )
     if "run" in document:
         parts["run"] = checked_table("run", document["run"])
@@ -194,7 +194,7 @@ def scene_from_document(document: Mapping[str, Any], folder: Path = Path()) -> S
     scene = Scene(
         material=material,
         friction=friction,
-        base=Tractions(**{key: read.field(f"base.{key}", one) for key, one in base.items()}),
+        base=Tractions(**{key: read.field(f"base.{key}", value) for key, value in base.items()}),
         load=tuple(given) if isinstance(loads, list) else given[0],
         contact=contact,
         **{"mode": IN_PLANE, **parts},
@@ -274,9 +274,11 @@ class _Reading:
         if "kind" in table:
             return self._front(table)
         if set(table) == {"pressure", "shear"} and not any(
-            self._mentions_time(one) for one in table.values()
+            self._mentions_time(value) for value in table.values()
         ):
-            return Tractions(**{key: self.field(f"load.{key}", one) for key, one in table.items()})
+            return Tractions(
+                **{key: self.field(f"load.{key}", cell) for key, cell in table.items()}
+            )
         check_keys("load.", table, (), ("shear", "pressure", "history", "on"))
         acting = [name for name in ("shear", "pressure") if name in table]
         if not acting:
@@ -336,8 +338,8 @@ def toml_text(document: Mapping[str, Any]) -> str:
     for name, value in document.items():
         several = isinstance(value, list) and value and isinstance(value[0], Mapping)
         if isinstance(value, Mapping) or several:
-            for one in value if several else [value]:
-                rows = [f"{key} = {_toml(part)}" for key, part in one.items()]
+            for table in value if several else [value]:
+                rows = [f"{key} = {_toml(part)}" for key, part in table.items()]
                 tables.append("\n".join([f"[[{name}]]" if several else f"[{name}]", *rows]))
         elif value is not None:
             plain.append(f"{name} = {_toml(value)}")

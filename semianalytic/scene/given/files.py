@@ -13,7 +13,6 @@ from typing import Any
 from semianalytic.scene.checks import check_keys
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_from_document
-from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
 from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.bounds import LARGEST_DESCRIPTION
@@ -75,11 +74,6 @@ def read_scene(path: str | Path) -> Scene:
     return scene_of_file(read_document(path), path)
 
 
-def named_line(name: str) -> Scene:
-    """Return the scene on a line of a name in `NAMED_LINES`; raises as `read_scene`."""
-    return scene_of_file(tomllib.loads({**NAMED_LINES, **NAMED_SPECIMENS}[name]), name)
-
-
 def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
     """Return the scene of a document as `read_scene` does; the path is that of its file."""
     try:
@@ -111,9 +105,9 @@ def with_units(document: Mapping[str, Any]) -> dict[str, Any]:
         nonlocal found
         # tractions that grow, and forces at a point, are of other dimensions
         if isinstance(value, Mapping) and value.get("kind") not in ("growing", "point-force"):
-            return {own: converted(f"{name}.{own}", own, one) for own, one in value.items()}
+            return {own: converted(f"{name}.{own}", own, item) for own, item in value.items()}
         if isinstance(value, list) and key not in ("x", "values"):
-            return [converted(name, key, one) for one in value]
+            return [converted(name, key, item) for item in value]
         if not isinstance(value, str) or not _WITH_UNIT.fullmatch(value) or key not in known:
             return value
         try:

@@ -11,8 +11,7 @@ from pathlib import Path
 from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Scene
 
@@ -81,9 +80,10 @@ def find(source: str | PathLike[str]) -> Scene:
     if named is not None:
         return named.scene
     if is_file(source) or source in NAMED_LINES or source in NAMED_SPECIMENS:
-        from semianalytic.scene.given.files import named_line, read_scene  # most scenes are named
+        from semianalytic.scene.given.files import read_scene  # most scenes are named
 
-        return read_scene(source) if is_file(source) else named_line(source)
+        named_files = {**NAMED_LINES, **NAMED_SPECIMENS}
+        return read_scene(source if is_file(source) else named_files[source])
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)

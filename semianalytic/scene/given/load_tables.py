@@ -70,22 +70,22 @@ def _read(
     """Return the times and the values of a table, in the units of the scene."""
     columns = read_columns(table)
     # Instruments write Time as well as time.
-    names = [one.name.lower() for one in columns]
+    names = [column.name.lower() for column in columns]
     time = [place for place, name in enumerate(names) if name in ("t", "time")]
     values = ("value", "value_at_t", "f", *loads)
     value = [place for place, name in enumerate(names) if name in values]
     if len(columns) != 2 or len(time) != 1 or len(value) != 1:
         raise SceneError(
             f"{table} must have two columns, t and value, or t and {loads[0]}; it has "
-            f"{', '.join(one.name or 'one without a name' for one in columns)}."
+            f"{', '.join(column.name or 'one without a name' for column in columns)}."
         )
     (at,), (of,) = time, value
     is_load = names[of] in loads
     if units != SI:
-        for one, dimension in ((columns[at], "time"), (columns[of], "stress" if is_load else "1")):
-            if dimension != "1" and not names_no_unit(one.unit, dimension):
+        for row, dimension in ((columns[at], "time"), (columns[of], "stress" if is_load else "1")):
+            if dimension != "1" and not names_no_unit(row.unit, dimension):
                 raise SceneError(
-                    f"{table}: {one.name} has a unit, but the scene does not say which units its "
+                    f"{table}: {row.name} has a unit, but the scene does not say which units its "
                     f'own numbers have; write units = "{SI}" into its file, or take the unit out '
                     "of the header."
                 )
@@ -96,5 +96,5 @@ def _read(
             f"{loads[0]} there to its largest value, not 0, or name the column value."
         )
     # Fifteen digits: 10 us are 1e-05 s, and a time given twice stays the same number twice.
-    times = [float(f"{one:.15g}") for one in columns[at].numbers(table, ("time",)).tolist()]
+    times = [float(f"{number:.15g}") for number in columns[at].numbers(table, ("time",)).tolist()]
     return times, (numbers / (load if is_load else 1.0)).tolist()

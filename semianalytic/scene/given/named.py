@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.coulomb import Coulomb
@@ -129,3 +130,9 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
 }
 """Scenes by name; those of two different bodies are in units of the upper one."""
+
+NAMED_LINES, NAMED_SPECIMENS = (
+    {path.stem: path for path in sorted((Path(__file__).parent / folder).glob("*.toml"))}
+    for folder in ("lines", "specimens")
+)
+"""Files of scenes on a line, and of specimens of finite size, by name."""

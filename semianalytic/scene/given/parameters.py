@@ -84,7 +84,7 @@ def load_parameters(load: Any) -> Mapping[str, Parameter]:
         return _WAVE
     if isinstance(load, GrowingLoad):
         rate = f"stress / time{f'^{load.power}' if load.power > 1 else ''}"
-        growth = {name: Parameter(rate, one.meaning) for name, one in TRACTIONS.items()}
+        growth = {name: Parameter(rate, traction.meaning) for name, traction in TRACTIONS.items()}
         kind = Parameter("", "pressure everywhere and shear of the slot grow as t^power")
         return {"kind": kind, **growth, "power": Parameter("", "1 or 2")}
     if isinstance(load, LineLoad):
@@ -100,7 +100,7 @@ def part_parameters(kind: type[LoadHistory] | type[Law]) -> dict[str, Parameter]
     dimensionless, "1".
     """
     described: tuple[Field[Any], ...] = fields(kind)  # type: ignore[arg-type]
-    return {one.name: _parameter(one) for one in described}
+    return {field.name: _parameter(field) for field in described}
 
 
 def _parameter(field: Field[Any]) -> Parameter:

@@ -100,7 +100,7 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     digits = 15 if solid is None else 3
     solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
-    base, load = (_load_in(scales, one) for one in (scene.base, scene.load))
+    base, load = (_load_in(scales, tractions) for tractions in (scene.base, scene.load))
     assert isinstance(base, Tractions)
     return Scene(
         **_bodies(scene, solid),
@@ -200,13 +200,15 @@ def _lines(scene: Scene, origin: str, remark: str, *, with_all: bool) -> Iterato
         if with_all or f"{kind}_history" in document:
             yield f"\n[{kind}_history]  # how the {kind} of the load comes, over time"
             own = getattr(scene, f"{kind}_history")
-            others = [one for one in _HISTORIES if with_all and type(one) is not type(own)]
+            others = [
+                history for history in _HISTORIES if with_all and type(history) is not type(own)
+            ]
             yield from _part(scene, own, others)
     if with_all or "friction_law" in document:
         yield "\n[friction_law]  # strength of what slips at V under the pressure p"
-        laws = [one for one in _LAWS if with_all and type(one) is not type(scene.friction)]
+        laws = [law for law in _LAWS if with_all and type(law) is not type(scene.friction)]
         yield from _part(
-            scene, scene.law, [one.with_coefficient(scene.coefficient) for one in laws]
+            scene, scene.law, [law.with_coefficient(scene.coefficient) for law in laws]
         )
     if lower is not None:
         yield "\n[lower_material]  # of the lower body"
@@ -261,7 +263,7 @@ def _value(value: Any) -> str:
 def _largest(scene: Scene) -> float:
     """Return the largest traction of a scene [stress], 1 if there is none."""
     tractions = (scene.superposition.taken_off, scene.base)
-    return max(max(abs(one.pressure), abs(one.shear)) for one in tractions) or 1.0
+    return max(max(abs(traction.pressure), abs(traction.shear)) for traction in tractions) or 1.0
 
 
 def _scales(material: Material, stress: float) -> dict[str, float]:
@@ -289,6 +291,6 @@ def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
             raise SceneError(f"{name} is in {dimension}, which cannot be turned into other units.")
         if dimension:
             value = np.multiply(scales[dimension], getattr(part, name))
-            rounded = np.array([float(f"{one:.{digits}g}") for one in value.ravel()])
+            rounded = np.array([float(f"{number:.{digits}g}") for number in value.ravel()])
             values[name] = rounded.reshape(value.shape).tolist()
     return replace(part, **values)  # type: ignore[type-var]

@@ -17,7 +17,7 @@ class Alike:
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other) or not is_dataclass(self):
             return self is other
-        pairs = ((getattr(self, one.name), getattr(other, one.name)) for one in fields(self))
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
         return all(_same(*pair) for pair in pairs)
 
     def __hash__(self) -> int:
@@ -27,15 +27,15 @@ class Alike:
 def expression(part: Any) -> str:
     """Return the expression that makes a dataclass, without parameters at their default."""
     given = []
-    for one in sorted(fields(part), key=lambda one: bool(one.kw_only)):
-        value = getattr(part, one.name)
-        factory = one.default_factory
-        if not _same(value, one.default if factory is MISSING else factory()):
-            given.append(f"{one.name}={value!r}")
+    for field in sorted(fields(part), key=lambda field: bool(field.kw_only)):
+        value = getattr(part, field.name)
+        factory = field.default_factory
+        if not _same(value, field.default if factory is MISSING else factory()):
+            given.append(f"{field.name}={value!r}")
     return f"{type(part).__name__}({', '.join(given)})"
 
 
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        return np.array_equal(one, other, equal_nan=True)
-    return bool(one == other)
+def _same(value: Any, other: Any) -> bool:
+    if isinstance(value, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(value, other, equal_nan=True)
+    return bool(value == other)

@@ -39,14 +39,14 @@ class DelayedLaw(Law):
 
     def __post_init__(self) -> None:
         # The class is frozen; numbers are stored as plain floats, whatever their type was.
-        for one in fields(self):
-            if (number := finite(getattr(self, one.name))) is not None:
-                object.__setattr__(self, one.name, number)
+        for field in fields(self):
+            if (number := finite(getattr(self, field.name))) is not None:
+                object.__setattr__(self, field.name, number)
         not_negative(type(self).__name__, delay=self.delay, delay_slip=self.delay_slip)
 
     def pressure_delay(self, speed: Array) -> Any:
         """Return the time in which friction follows pressure; see `Law.pressure_delay`."""
-        if not any(callable(one) or np.any(one) for one in (self.delay, self.delay_slip)):
+        if not any(callable(value) or np.any(value) for value in (self.delay, self.delay_slip)):
             return 0.0
         delay, slip = np.asarray(self.delay, dtype=float), np.asarray(self.delay_slip, dtype=float)
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -61,7 +61,7 @@ def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
             where = f"{name}.{own}" if own else "no parameter of this law"
             raise SceneError(f"friction is {where}; leave friction out.")
         values[own] = coefficient
-    known = {one.name for one in fields(described)}  # type: ignore[arg-type]
+    known = {field.name for field in fields(described)}  # type: ignore[arg-type]
     if "reduction" in values and "dynamic" in known and "reduction" not in known:
         if "dynamic" in values or finite(values.get("static")) is None:
             raise SceneError(f"{name}: reduction goes with a number, static, and without dynamic.")
@@ -88,9 +88,9 @@ def law_table(law: Law) -> dict[str, Any]:
     kind = kind or f"{described.__module__}.{described.__qualname__}"
     own, parts = coefficient_field(described), fields(law)  # type: ignore[arg-type]
     return {"kind": kind} | {
-        one.name: getattr(law, one.name)
-        for one in parts
-        if one.name != own and getattr(law, one.name) != one.default
+        field.name: getattr(law, field.name)
+        for field in parts
+        if field.name != own and getattr(law, field.name) != field.default
     }
 
 
@@ -122,7 +122,7 @@ def checked_friction(friction: object) -> float | Law:
 
 def beyond_similarity(law: Law) -> str:
     """Return what a law has that a march along a line alone knows, in words, or ""."""
-    if any(callable(one) or isinstance(one, np.ndarray) for one in vars(law).values()):
+    if any(callable(entry) or isinstance(entry, np.ndarray) for entry in vars(law).values()):
         return "parameters that vary along x"
     if not (follows_path(type(law)) and law.has_threshold):
         return "a state other than the path"

@@ -61,8 +61,8 @@ class Law(Alike, ABC):
     def __init_subclass__(cls, **options: Any) -> None:
         """Let no class that defines its strength inherit what follows from another one."""
         super().__init_subclass__(**options)
-        laws = [one for one in cls.__mro__[1:] if issubclass(one, Law)]
-        derived = any("strength" not in one.__abstractmethods__ for one in laws)
+        laws = [base for base in cls.__mro__[1:] if issubclass(base, Law)]
+        derived = any("strength" not in law.__abstractmethods__ for law in laws)
         if derived and "strength" in vars(cls):
             for name in set(_FOLLOWING) - vars(cls).keys():
                 setattr(cls, name, vars(Law)[name])
@@ -135,8 +135,8 @@ class Law(Alike, ABC):
 
         By default it is found from slip rates of 1e-30 to 1e30, ten in each decade.
         """
-        one, none, speeds = np.ones(1), np.zeros(1), _decades()
-        return _steepest((self.strength(one, speed * one, none), speed) for speed in speeds)
+        unit, none, speeds = np.ones(1), np.zeros(1), _decades()
+        return _steepest((self.strength(unit, speed * unit, none), speed) for speed in speeds)
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
         """Return the state after a time at a mean speed; the accumulated |slip| by default."""
@@ -229,7 +229,7 @@ class Law(Alike, ABC):
             return 0.0
         pressure, paths = np.atleast_1d(pressure), _decades()
         return _steepest(
-            (self.strength(pressure, 0 * pressure, 0 * pressure + one), one) for one in paths
+            (self.strength(pressure, 0 * pressure, 0 * pressure + path), path) for path in paths
         )
 
     def on(self, x: Any, spacing: float = 0.0) -> Self:
@@ -250,22 +250,22 @@ class Law(Alike, ABC):
         """Fields that are functions of x, by their names."""
         if not is_dataclass(self):
             return {}
-        values = {one.name: getattr(self, one.name) for one in fields(self) if one.init}
+        values = {field.name: getattr(self, field.name) for field in fields(self) if field.init}
         return {name: value for name, value in values.items() if callable(value)}
 
     def barrier_misfit(self, x: Array, spacing: float) -> float:
         """Return how far a grid has ends of barriers from their places; see `sampling`."""
-        return max((barrier_misfit(one, x, spacing) for one in self._along.values()), default=0.0)
+        return max((barrier_misfit(part, x, spacing) for part in self._along.values()), default=0.0)
 
     def with_wider_barriers(self, by: float) -> Self:
         """Return the law with barriers that reach farther by a distance on either side [length]."""
-        wider: dict[str, Any] = {name: widened(one, by) for name, one in self._along.items()}
+        wider: dict[str, Any] = {name: widened(entry, by) for name, entry in self._along.items()}
         return replace(cast(Any, self), **wider) if wider else self
 
 
 def coefficient_field(law: type) -> str | None:
     """Return the field of a class of laws that is the coefficient at rest; None without one."""
-    names = [one.name for one in fields(law)] if is_dataclass(law) else []
+    names = [field.name for field in fields(law)] if is_dataclass(law) else []
     return next((name for name in ("friction", "static") if name in names), None)
 
 
@@ -344,7 +344,9 @@ def check_rate(law: Law, pressure: Array, state: Array, impedance: float) -> Non
     if not size > 0:
         return
     speeds = size * np.concatenate([[0.0], np.logspace(-14, 2, 161)])
-    steepest = _steepest((law.strength(pressure, 0 * pressure + one, state), one) for one in speeds)
+    steepest = _steepest(
+        (law.strength(pressure, 0 * pressure + rate, state), rate) for rate in speeds
+    )
     if steepest > impedance * (1 + 1e-6):
         raise SceneError(
             "interface: friction falls with slip rate faster than radiation can balance "
@@ -356,7 +358,7 @@ def check_rate(law: Law, pressure: Array, state: Array, impedance: float) -> Non
 def positive(owner: str, **values: Any) -> None:
     """Raise SceneError unless parameters given as numbers are finite and positive."""
     for name, value in values.items():
-        _check(f"{owner}: {name}", value, lambda one: one > 0, "be positive and finite")
+        _check(f"{owner}: {name}", value, lambda number: number > 0, "be positive and finite")
         if finite(value):
             checked_size(f"{owner}: {name}", value)
 
@@ -364,7 +366,7 @@ def positive(owner: str, **values: Any) -> None:
 def not_negative(owner: str, **values: Any) -> None:
     """Raise SceneError unless parameters given as numbers are finite, 0 or more."""
     for name, value in values.items():
-        _check(f"{owner}: {name}", value, lambda one: one >= 0, "be 0 or more and finite")
+        _check(f"{owner}: {name}", value, lambda number: number >= 0, "be 0 or more and finite")
 
 
 def _check(what: str, value: Any, admitted: Any, words: str) -> None:

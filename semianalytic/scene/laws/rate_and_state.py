@@ -205,9 +205,9 @@ def _wright_omega(y: Array) -> Array:
     omega = np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y)))
     for _ in range(2):
         omega = np.maximum(omega, 1e-300)  # where e^y underflows
-        rest, one = y - omega - np.log(omega), 1 + omega
-        both = 2 * one * (one + 2 / 3 * rest)
-        omega = omega * (1 + rest / one * (both - rest) / (both - 2 * rest))
+        rest, slope = y - omega - np.log(omega), 1 + omega
+        both = 2 * slope * (slope + 2 / 3 * rest)
+        omega = omega * (1 + rest / slope * (both - rest) / (both - 2 * rest))
     return np.asarray(omega)
 
 

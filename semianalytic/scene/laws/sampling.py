@@ -71,7 +71,7 @@ def widened(field: Any, by: float) -> Any:
     """Return a function of x whose barriers reach farther by a distance on either side [length]."""
 
     def wider(x: Array) -> Array:
-        own, *others = (np.broadcast_to(field(x + one), x.shape) for one in (0.0, -by, by))
+        own, *others = (np.broadcast_to(field(x + shift), x.shape) for shift in (0.0, -by, by))
         for other in others:
             own = np.where(np.abs(other) > BARRIER * np.abs(own), other, own)
         return np.asarray(own, dtype=float)
@@ -120,5 +120,5 @@ def _across(field: Any, x: Array, spacing: float, count: int) -> Array:
     # the field is asked for as many values as there are nodes: it may be made for these alone
     offsets = spacing * ((np.arange(count) + 0.5) / count - 0.5)
     with np.errstate(all="ignore"):  # a formula may have no value near the contact
-        rows = [np.broadcast_to(np.asarray(field(x + one), float), x.shape) for one in offsets]
+        rows = [np.broadcast_to(np.asarray(field(x + by), float), x.shape) for by in offsets]
     return np.array(rows)

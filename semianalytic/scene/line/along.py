@@ -50,7 +50,7 @@ class AlongLine:
         if isinstance(self.friction, Law) and (beyond := beyond_similarity(self.friction)):
             return f"{type(self.friction).__name__} with {beyond}"
         parts = [self.base, self.load] if isinstance(self.load, Tractions) else [self.base]
-        if any(callable(one) for part in parts for one in (part.pressure, part.shear)):
+        if any(callable(value) for part in parts for value in (part.pressure, part.shear)):
             return "tractions that vary along x"
         if isinstance(self.load, tuple | InterfaceLoad | FrontLoad):
             return "loads along x"
@@ -68,13 +68,13 @@ class AlongLine:
     def loads(self) -> tuple[InterfaceLoad | FrontLoad, ...]:
         """The load, or the loads, as tractions along x times histories, and fronts."""
         given = self.load if isinstance(self.load, tuple) else (self.load,)
-        return tuple(load for one in given for load in self._along(one))
+        return tuple(load for part in given for load in self._along(part))
 
     def _along(self, load: Any) -> Iterator[InterfaceLoad | FrontLoad]:
         """Yield a load as loads along x."""
         if isinstance(load, IncidentWave | MovingLoad):
             both = self.shear_history, self.pressure_history
-            yield FrontLoad(load, next((one for one in both if one != Step()), Step()))
+            yield FrontLoad(load, next((history for history in both if history != Step()), Step()))
         elif isinstance(load, Tractions):
             on = "line" if self.load_on == REMOTE else "slot"
             for name in ("shear", "pressure"):
@@ -93,13 +93,13 @@ class AlongLine:
 
         It is mu / (2 c_t) between identical bodies.
         """
-        one, lower = self.material.shear_impedance, self.lower_material
-        return one / 2 if lower is None else 1 / (1 / one + 1 / lower.shear_impedance)
+        upper, lower = self.material.shear_impedance, self.lower_material
+        return upper / 2 if lower is None else 1 / (1 / upper + 1 / lower.shear_impedance)
 
     @property
     def may_open(self) -> bool:
         """Whether a load, or slip of different bodies, changes the pressure: gaps are computed."""
-        return self.lower_material is not None or any(one.acts("pressure") for one in self.loads)
+        return self.lower_material is not None or any(load.acts("pressure") for load in self.loads)
 
     @property
     def jumps(self) -> list[float]:
@@ -150,7 +150,7 @@ class AlongLine:
                 object.__setattr__(self, name, checked_size(f"scene: {name}", size))
         reach = self.period / 2
         for begin, end in self.contact.intervals:
-            if any(math.isfinite(one) and abs(one) > reach for one in (begin, end)):
+            if any(math.isfinite(end) and abs(end) > reach for end in (begin, end)):
                 raise SceneError(
                     f"scene: the contact {begin:g} to {end:g} leaves the period, {-reach:g} to "
                     f"{reach:g}; raise `period`, or let an open end be inf."
@@ -185,15 +185,15 @@ class AlongLine:
                     "scene: the bodies touch everywhere and tractions are taken off the faces of "
                     f'slots; write load_on = "{REMOTE}" for a load from far away.'
                 )
-        for one in self.loads:
-            front = one.front if isinstance(one, FrontLoad) else None
+        for part in self.loads:
+            front = part.front if isinstance(part, FrontLoad) else None
             known = ("SH",) if self.mode == "antiplane" else ("P", "SV")
             if isinstance(front, IncidentWave) and front.kind not in known:
                 raise SceneError(
                     f"scene: a wave that arrives {self.mode} must be of kind "
                     f"{' or '.join(known)}, got {front.kind}."
                 )
-            if self.even and isinstance(one, FrontLoad) and one.runs:
+            if self.even and isinstance(part, FrontLoad) and part.runs:
                 raise SceneError(
                     "scene: a front that runs along x is not even in x; set even = false."
                 )

@@ -242,7 +242,7 @@ class Expression:
                 "table or a shorter expression."
             )
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-        self.numbers = {name: one for name, one in (numbers or {}).items() if name in names}
+        self.numbers = {name: number for name, number in (numbers or {}).items() if name in names}
         self._value = self._part(tree.body)
         self(*(np.array([0.5]) for _ in variables))
 
@@ -250,7 +250,9 @@ class Expression:
         """Return the value at arguments, which broadcast; nan or inf where there is none."""
         known = {**self.numbers, **dict(zip(self.variables, values, strict=True))}
         # numbers of numpy divide by 0 and overflow to inf or nan, which fields refuse
-        known = {key: np.float64(one) if np.ndim(one) == 0 else one for key, one in known.items()}
+        known = {
+            key: np.float64(size) if np.ndim(size) == 0 else size for key, size in known.items()
+        }
         with np.errstate(all="ignore"):
             return self._value(known)
 
@@ -287,8 +289,8 @@ class Expression:
                 return lambda known: np.pi
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
                 return _joined(_OPERATORS[type(op)], self._part(left), self._part(right))
-            case ast.UnaryOp(op=op, operand=one) if type(op) in _OPERATORS:
-                return _joined(_OPERATORS[type(op)], self._part(one))
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
+                return _joined(_OPERATORS[type(op)], self._part(operand))
             case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
                 holds = _joined(_OPERATORS[type(op)], self._part(left), self._part(right))
                 # a number, because the sum of two truth values of numpy is 1 where both hold
@@ -301,7 +303,7 @@ class Expression:
                         f"{shown(self.text)}: {name} takes {takes} argument{'s'[: count != 1]}, "
                         f"got {len(given)}."
                     )
-                parts = [self._part(one) for one in given]
+                parts = [self._part(part) for part in given]
                 if count == _ANY_NUMBER:
                     return reduce(partial(_joined, combined), parts)
                 return _joined(combined, *parts)

@@ -34,7 +34,7 @@ class Column:
         if size is None:
             raise SceneError(
                 f"{path}: {self.name} must have no unit, or one such as "
-                f"{', '.join(EXAMPLES[one] for one in dimensions)}, got {shown(self.unit)}."
+                f"{', '.join(EXAMPLES[unit] for unit in dimensions)}, got {shown(self.unit)}."
             )
         if not np.isfinite(self.values).all():
             raise SceneError(f"{path}: {self.name} must hold finite numbers in every row.")
@@ -56,9 +56,9 @@ class Tables:
         """Return the first column, x, and the one of a name; the second one without a name."""
         key = str(path)
         columns = self._known[key] = self._known.get(key) or read_columns(path)
-        found = next((one for one in columns[1:] if name in ("", one.name, one.heading)), None)
+        found = next((cell for cell in columns[1:] if name in ("", cell.name, cell.heading)), None)
         if found is None:
-            names = ", ".join(one.heading for one in columns)
+            names = ", ".join(column.heading for column in columns)
             raise SceneError(f"{path}: there is no column {shown(name)}; it has {names}.")
         self._asked.add((key, found.heading))
         return columns[0], found
@@ -66,9 +66,11 @@ class Tables:
     def warn_of_unread(self) -> None:
         """Warn once of each table that has columns nothing asked for."""
         for path, columns in self._known.items():
-            names = [one.heading for one in columns[1:] if (path, one.heading) not in self._asked]
+            names = [
+                cell.heading for cell in columns[1:] if (path, cell.heading) not in self._asked
+            ]
             if names:
-                known = ", ".join(one[:40] for one in names[:10]) + ", ..." * bool(names[10:])
+                known = ", ".join(name[:40] for name in names[:10]) + ", ..." * bool(names[10:])
                 sentence = f"{path}: columns that are not read: {known}."
                 warnings.warn(sentence, UnreadColumns, stacklevel=2)
 
@@ -82,7 +84,7 @@ def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]])
     if bracketed:
         return bracketed[1].strip(), bracketed[2].strip()
     stem, _, last = heading.strip().rpartition("_")
-    if any(common_size(last, one) is not None for one in dimensions_of(stem) if stem):
+    if any(common_size(last, dimension) is not None for dimension in dimensions_of(stem) if stem):
         return stem, last
     return heading.strip(), ""
 

@@ -80,11 +80,11 @@ def si_size(name: str, dimension: str) -> float | None:
 
 def known_size(text: str, dimensions: Collection[str]) -> float | None:
     """Factor to SI units, 1 where there is no unit; None for a unit of none of the dimensions."""
-    if any(names_no_unit(text, one) for one in dimensions):
+    if any(names_no_unit(text, dimension) for dimension in dimensions):
         return 1.0
     # those that need no library come first: ms is a time before it is no length
-    sizes = (find(text, one) for find in (common_size, si_size) for one in dimensions)
-    return next((one for one in sizes if one is not None), None)
+    sizes = (find(text, dimension) for find in (common_size, si_size) for dimension in dimensions)
+    return next((size for size in sizes if size is not None), None)
 
 
 def common_size(text: str, dimension: str) -> float | None:

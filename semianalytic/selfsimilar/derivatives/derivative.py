@@ -150,7 +150,7 @@ class Derivative:
         return abs(parameter(self.scene, self.name)) or unit
 
     def __repr__(self) -> str:
-        speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
+        speeds = ", ".join(f"{zone.inner:.4g} and {zone.outer:.4g}" for zone in self.zones)
         zones = f"edges move by {speeds}" if self.zones else "no slip"
         return f"<Derivative with respect to {self.name}: {zones}; {self.status}>"
 
@@ -276,7 +276,7 @@ def differentiated(
 ) -> Derivative:
     """Return the derivative of a solved scene with respect to one of `parameters.PARAMETERS`.
 
-    What is solved is the scene, neighbouring sets of the zones of its solution, and their unit of
+    The solver solves the scene, neighbouring sets of the zones of its solution, and their unit of
     stress; speeds (inner, outer, sense) and status are those of the solution.  Errors are those of
     `Solution.derivative`.
     """

@@ -49,8 +49,8 @@ def _largest_share(fine: VariedProfile, coarse: VariedProfile, u: Array, size: f
         if profile.fields.factors.has_rayleigh_wave:
             compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
         compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
-    for one, other, field in compared:
-        worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
+    for finer, other, field in compared:
+        worst = max(worst, _share(finer, other, float(np.abs(field).max()) / size))
     return worst
 
 
@@ -62,7 +62,7 @@ def _compared(profile: Profile, nearest: float = tuning.CLEAR_OF_EDGES) -> Array
     return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
 
 
-def _share(one: Array, other: Array, least: float) -> float:
+def _share(finer: Array, other: Array, least: float) -> float:
     """Return the largest difference of derivatives over the largest, or a lower bound."""
-    away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
+    away, size = np.abs(finer - other).max(initial=0.0), np.abs(finer).max(initial=0.0)
     return float(away / max(size, least)) if away else 0.0

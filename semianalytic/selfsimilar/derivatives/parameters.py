@@ -89,7 +89,7 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         )
     sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
-    # How fast the base moves relative to the friction limit, E in docs/derivatives.md.
+    # How fast the base moves relative to the friction limit.
     excess = float(rates.base_shear - sense * strength - rates.resistance * far)
     # Slip far ahead balances it: excess = (1 + eta) dV(inf) in units of rho c_t.
     if far:

@@ -29,7 +29,7 @@ from semianalytic.selfsimilar.zones.edges import Edges, edges_of
 from semianalytic.selfsimilar.zones.placement import linearised
 from semianalytic.separation.opening import with_opening
 
-_OF_LOAD = {one.name for one in fields(Rates)} - {"poisson_ratio", "front_excess"}
+_OF_LOAD = {field.name for field in fields(Rates)} - {"poisson_ratio", "front_excess"}
 """Numbers of a load that a parameter may change."""
 
 
@@ -82,10 +82,10 @@ class _Change:
     @classmethod
     def of(cls, beside: list[ZoneFields], stencil: Stencil) -> _Change:
         """Return the derivatives from neighbours on a stencil."""
-        profiles = [Profile(one) for one in beside]
-        normals = [NodeFields.of(one.normal) for one in profiles if one.normal is not None]
+        profiles = [Profile(zones) for zones in beside]
+        normals = [NodeFields.of(side.normal) for side in profiles if side.normal is not None]
         return cls(
-            NodeFields.difference([NodeFields.of(one) for one in profiles], stencil),
+            NodeFields.difference([NodeFields.of(profile) for profile in profiles], stencil),
             NodeFields.difference(normals, stencil) if normals else None,
         )
 
@@ -198,7 +198,7 @@ class Surroundings:
 
     def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
         """Return the derivatives (e,) of the mismatch from neighbours."""
-        values = np.stack([one.mismatch() for one in beside], -1)
+        values = np.stack([neighbour.mismatch() for neighbour in beside], -1)
         return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
 
     def _step(self, rates: Rates, moved: Array) -> float:
@@ -214,13 +214,13 @@ class Surroundings:
     def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
         """Return the largest change of the log of a panel's width by a step in a direction."""
         beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
-        one, other = (_widths(fields) for fields in (beside[0], beside[-1]))
+        before, other = (_widths(fields) for fields in (beside[0], beside[-1]))
         if len(beside) == 1:
-            one, other = one[:, 0], other[:, 1]
+            before, other = before[:, 0], other[:, 1]
         # Other panels, or a negative width, mean that the step crosses a change of zones.
-        if one.shape != other.shape or np.any(one <= 0) or np.any(other <= 0):
+        if before.shape != other.shape or np.any(before <= 0) or np.any(other <= 0):
             return np.inf
-        return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
+        return float(np.abs(np.log(other / before)).max(initial=0.0)) / 2
 
     def _step_of_unknowns(self, rates: Rates, moved: Array) -> float:
         """Return the longest step that the unknowns and the parameter itself allow."""
@@ -272,8 +272,8 @@ class Surroundings:
             return None
         for stencil in stencils(step, central):
             ends = (stencil.points[[0, 0]], stencil.points[[-1, -1]])
-            outer = [one for end in ends for one in self._neighbours(rates, moved, end)]
-            if all(one.layout == self._fields.layout for one in outer):
+            outer = [neighbour for end in ends for neighbour in self._neighbours(rates, moved, end)]
+            if all(neighbour.layout == self._fields.layout for neighbour in outer):
                 return stencil
         raise ComputationError(
             "the set of zones changes at this value of the parameter; take the "

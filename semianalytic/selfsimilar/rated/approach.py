@@ -27,7 +27,7 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
         return
     fields, front = profile.fields, profile.fields.factors.front_c
     rayleigh = fields.factors.has_rayleigh_wave
-    if rayleigh and any(lies_between(one.left, front, one.right) for one in fields.zones):
+    if rayleigh and any(lies_between(zone.left, front, zone.right) for zone in fields.zones):
         raise SceneError(
             "solve: slip would cover the Rayleigh front, where friction that falls with slip rate "
             "admits no self-similar answer; use the space-time solver for this scene, `march` or "

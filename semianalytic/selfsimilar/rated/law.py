@@ -44,7 +44,7 @@ class UnitLaw:
     def slopes(self, frictional: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
         """Return the derivatives with respect to f p, to |V|, to both, and to |V| twice."""
         given = self.law.rate_slopes(self.pressure * frictional, self.rate * speed)
-        by_pressure, by_rate, mixed, twice = (self.share * one for one in given)
+        by_pressure, by_rate, mixed, twice = (self.share * slope for slope in given)
         # Chain rule for the units of slip rate, of pressure and of stress.
         unit, pressed = self.rate / self.stress, self.pressure / self.stress
         by_friction = pressed * by_pressure + (1 - self.share)

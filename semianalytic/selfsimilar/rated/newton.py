@@ -8,7 +8,6 @@ About a slip rate V_k the strength is S + S' (|V| - |V_k|), so that on slip of s
 This is a viscous problem with eta(v) and a given slope of strength, which `cut` solves exactly. The
 last term contains the new V; it is iterated while the edges are moved to the positions required by
 the linear problem. V_k is stored at the nodes of panels, which move with the edges, on a held rule.
-See docs/rate.md, "Newton's method for any smooth law".
 """
 
 from __future__ import annotations

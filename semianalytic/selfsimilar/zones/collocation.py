@@ -1,7 +1,6 @@
 """First stage: slip rate piecewise linear in xi = x/t, Coulomb's law as complementarity.
 
-The corrective traction of a slip rate V(xi) with free slot faces (docs/theory.md, "Slip under a
-step, for given zones") is
+The corrective traction of a slip rate V(xi) with free slot faces is
 
     dtau/dxi = -(Im M(-v) / (pi n(xi))) [ PV int n V' dxi0 / (xi0 - xi) - M_-(0) V(inf) ]
                - Re M(-v) V'(xi),          v = 1/xi,  n(xi) = xi M_+(1/xi),

@@ -64,8 +64,8 @@ def _across_shear_front(
         crossed = left is None or right is None or left.first_below(right)
         others.append(replace(zone, left=left, right=right) if crossed else zone)
     moved = any(
-        one.left is not other.left or one.right is not other.right
-        for one, other in zip(zones, others, strict=True)
+        zone.left is not other.left or zone.right is not other.right
+        for zone, other in zip(zones, others, strict=True)
     )
     return others if moved else None
 
@@ -136,8 +136,8 @@ def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) ->
     """Return zones without wrong slip, and with missing slip: new ones if the present are sound."""
     if load.opened is not None:
         return _corrected_beside(load.opened.zone, zones, violations, load)
-    wrong_slip = [one for one in violations if one.zone >= 0]
-    missing_slip = [one for one in violations if one.zone < 0]
+    wrong_slip = [violation for violation in violations if violation.zone >= 0]
+    missing_slip = [violation for violation in violations if violation.zone < 0]
     kept = _without_wrong_slip(zones, wrong_slip)
     return _with_missing_slip(kept, missing_slip, load, sound=not wrong_slip)
 
@@ -152,7 +152,10 @@ def _corrected_beside(
     for index, zone in enumerate(zones):
         first[index] = len(parts)
         parts += _closed_parts(zone, opening) if _holds(zone, opening) else [zone]
-    moved = [replace(one, zone=_part_of(one, parts, first.get(one.zone, -1))) for one in violations]
+    moved = [
+        replace(broken, zone=_part_of(broken, parts, first.get(broken.zone, -1)))
+        for broken in violations
+    ]
     closed = corrected(parts, moved, replace(load, opened=None))
     return _joined_across(closed, opening)
 
@@ -179,8 +182,8 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
     """Return zones from closed parts, joining those that reach the opening from either side."""
     ahead, closing = opening.left, opening.right
     assert ahead is not None
-    before = [one for one in parts if one.left is None or one.left.first_below(ahead)]
-    behind = [one for one in parts[len(before) :]]
+    before = [part for part in parts if part.left is None or part.left.first_below(ahead)]
+    behind = [part for part in parts[len(before) :]]
     last = before[-1] if before else None
     if last is not None and last.right is not None and last.right.first_below(ahead):
         last = None
@@ -216,20 +219,20 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
     """Return zones cut where they slip against their sense: at one end, or in two."""
     result = list(zones)
     # From the contact edge outward, so that the indices of zones still to be cut stay valid.
-    for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
-        zone = result[one.zone]
-        to_end = one.touches_right or _reaches(one.right, zone.right)
-        from_start = one.touches_left or _reaches(zone.left, one.left)
-        if from_start and one.right is None:
+    for broken in reversed(sorted(violations, key=lambda violation: float(violation.left.v[0]))):
+        zone = result[broken.zone]
+        to_end = broken.touches_right or _reaches(broken.right, zone.right)
+        from_start = broken.touches_left or _reaches(zone.left, broken.left)
+        if from_start and broken.right is None:
             # The violation covers all of a zone at the contact edge.
-            del result[one.zone]
+            del result[broken.zone]
         elif from_start:
-            result[one.zone] = replace(zone, left=one.right)
+            result[broken.zone] = replace(zone, left=broken.right)
         elif to_end and zone.right is not None:
-            result[one.zone] = replace(zone, right=one.left)
+            result[broken.zone] = replace(zone, right=broken.left)
         else:
-            inner = [] if one.right is None else [replace(zone, left=one.right)]
-            result[one.zone : one.zone + 1] = [replace(zone, right=one.left), *inner]
+            inner = [] if broken.right is None else [replace(zone, left=broken.right)]
+            result[broken.zone : broken.zone + 1] = [replace(zone, right=broken.left), *inner]
     return result
 
 
@@ -246,14 +249,16 @@ def _with_missing_slip(
     Under a critical base the first starts at the longitudinal front if it slips along the base.
     """
     result = list(zones)
-    for one in violations:
+    for broken in violations:
         # Index of the first zone inward of the violation.
-        after = sum(zone.left is None or bool(zone.left.v < one.left.v) for zone in result)
-        if one.touches_right and after < len(result) and result[after].sense == one.sense:
-            result[after] = replace(result[after], left=one.left)
-        elif one.touches_left and after > 0 and result[after - 1].sense == one.sense:
-            result[after - 1] = replace(result[after - 1], right=one.right)
+        after = sum(zone.left is None or bool(zone.left.v < broken.left.v) for zone in result)
+        if broken.touches_right and after < len(result) and result[after].sense == broken.sense:
+            result[after] = replace(result[after], left=broken.left)
+        elif broken.touches_left and after > 0 and result[after - 1].sense == broken.sense:
+            result[after - 1] = replace(result[after - 1], right=broken.right)
         elif sound:
-            at_front = after == 0 and load.critical and one.sense * load.base_shear > 0
-            result.insert(after, Zone(None if at_front else one.left, one.right, one.sense))
+            at_front = after == 0 and load.critical and broken.sense * load.base_shear > 0
+            result.insert(
+                after, Zone(None if at_front else broken.left, broken.right, broken.sense)
+            )
     return result

@@ -3,7 +3,6 @@
 A narrow violation may lie between nodes. One number measures it there: traction over friction where
 the interface sticks, slip rate against the sense of its zone where it slips. If a parabola through
 three nodes comes close to the limit, the number is evaluated at ever closer points around its peak.
-See docs/solver.md, "Which zones".
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Zone edges as unknowns, and the mismatch of the conditions at them.
 
-See docs/theory.md, "Where the edges are".
+The traction reaches s f p at an edge where slip begins; slip rate vanishes where it ends.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class Edges:
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
             # Segments between the edges of one zone alternate with those between zones.
             inside = (index % 2 == 0) != opens
-            # Rounding spoils narrower zones.
+            # Narrower zones are lost in rounding.
             least = 1e-10 * np.abs(p.parts[1:]).min(axis=0) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))

@@ -1,7 +1,4 @@
-"""Estimate the error of a solution: two rules compared, remaining shifts, and missed slip.
-
-See docs/solver.md, "Accuracy and cost".
-"""
+"""Estimate the error of a solution: two rules compared, remaining shifts, and missed slip."""
 
 from __future__ import annotations
 
@@ -82,7 +79,7 @@ def _share_of_film(fine: ZoneFields, coarse: ZoneFields) -> float:
     if resistance is None or load.opened is None or np.ndim(resistance) != 0:
         return 0.0
     applied = max(abs(load.load_shear), abs(load.load_pressure)) / float(resistance)
-    both, worst = [one.rate_integral() for one in (fine, coarse)], 0.0
+    both, worst = [solution.rate_integral() for solution in (fine, coarse)], 0.0
     far = float(load.far_slip_rate)
     for panel in layout.slip:
         if layout.open[panel]:
@@ -98,8 +95,8 @@ def _share_of_power(fine: ZoneFields, coarse: ZoneFields) -> float:
     """Return the relative difference of power between two rules where slip covers c."""
     if fine.layout.pole < 0 or fine.load.resists_rate or fine.load.frictionless:
         return 0.0
-    profiles = [Profile(one) for one in (fine, coarse)]
-    own, other = (contact_integral(one, one.strength_at_nodes) for one in profiles)
+    profiles = [Profile(zones) for zones in (fine, coarse)]
+    own, other = (contact_integral(profile, profile.strength_at_nodes) for profile in profiles)
     return abs(own - other) / own if own > 0 else 0.0
 
 

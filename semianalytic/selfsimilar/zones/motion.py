@@ -80,7 +80,7 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     # drives slip ahead of the shear front.
     least = 0.0 if opening is None else 1e-9
     speed = material.shear_speed
-    return tuple(one for one in zones if one.outer - one.inner > least * min(one.outer, speed))
+    return tuple(zone for zone in zones if zone.outer - zone.inner > least * min(zone.outer, speed))
 
 
 def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:

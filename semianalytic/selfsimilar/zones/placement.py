@@ -48,8 +48,7 @@ def locate_edges(
 ) -> Placement:
     """Locate the edges of zones by Newton's method, damped by natural monotonicity.
 
-    The Jacobian is formed from neighbouring sets of zones in one sweep with the zones themselves
-    (docs/solver.md, "Which zones").
+    The Jacobian is formed from neighbouring sets of zones in one sweep with the zones themselves.
 
     Parameters
     ----------

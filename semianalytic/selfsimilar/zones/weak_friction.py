@@ -102,8 +102,7 @@ def _gaps(
 ) -> list[tuple[CutPoints, CutPoints, int]]:
     """Return stick gaps where V changes sense, each with the sense of the zone ahead of it.
 
-    Gaps too wide for the strip around c are one, twice as wide (docs/solver.md, "Weak friction and
-    thresholds").
+    Gaps too wide for the strip around c are one, twice as wide.
     """
     widths = [_gap_width(profile, load, change) for change in changes]
     # Beside a narrow strip the ratio is below 4 / pi.

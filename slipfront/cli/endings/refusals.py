@@ -75,8 +75,8 @@ def specimen_settings(settings: Mapping[str, Any], others: Mapping[str, Any]) ->
 
 def without_effect(*two: str) -> SceneError:
     """Refusal of two options that exclude one another."""
-    one, other = map(option_name, two)
-    return SceneError(f"{one} has no effect with {other}; leave one of the two out.")
+    option, other = map(option_name, two)
+    return SceneError(f"{option} has no effect with {other}; leave one of the two out.")
 
 
 @contextmanager

@@ -76,7 +76,7 @@ def _document(sheet: Sheet) -> dict[str, Any]:
     """A sheet with its answer, and the units of its numbers."""
     from compare.benchmarks.answers import answer_to, fields_of, numbers_of, stated_errors
 
-    fields = {name: one.tolist() for name, one in fields_of(sheet, answer_to(sheet)).items()}
+    fields = {name: values.tolist() for name, values in fields_of(sheet, answer_to(sheet)).items()}
     answers = {**numbers_of(sheet), **fields}
     named = {name: unit(_DIMENSIONS[name], SI if sheet.units == SI else "") for name in _DIMENSIONS}
     return {
@@ -136,10 +136,10 @@ def score(
     scores = score_files(files, given)
     if as_json:
         units = {"error": "1", "held": "1"}
-        document = {"scores": [asdict(one) for one in scores], "units": {"scores": units}}
+        document = {"scores": [asdict(row) for row in scores], "units": {"scores": units}}
         print_json("benchmark score", document)
         return
-    for note in dict.fromkeys(f"{one.sheet}: {note}" for one in scores for note in one.notes):
+    for note in dict.fromkeys(f"{row.sheet}: {note}" for row in scores for note in row.notes):
         typer.echo(f"Note: {note}.")
     Console().print(_score_table(scores))
 
@@ -149,9 +149,9 @@ def _score_table(scores: Sequence[Score]) -> PrintedTable:
     from compare.benchmarks.scores import ENOUGH, GRADED
 
     runs: dict[tuple[str, str], dict[str, Score]] = {}
-    for one in scores:
-        run = f"{one.sheet} {Path(one.file).name}", one.verdict or "-"
-        runs.setdefault(run, {})[one.quantity] = one
+    for row in scores:
+        run = f"{row.sheet} {Path(row.file).name}", row.verdict or "-"
+        runs.setdefault(run, {})[row.quantity] = row
     asked = [name for name in GRADED if any(name in run for run in runs.values())]
     title = "Arrival: RMS error over T; else: relative L1 error over all stations"
     table = PrintedTable("run", "verdict", title=title, box=SIMPLE_HEAD, pad_edge=False)
@@ -159,8 +159,8 @@ def _score_table(scores: Sequence[Score]) -> PrintedTable:
         table.add_column(name.replace("_", "\n"), justify="right", no_wrap=True)
     for names, errors in runs.items():
         found = (errors.get(name) for name in asked)
-        cells = ("" if one is None else f"{one.error:.2g} {one.grade or '-'}" for one in found)
+        cells = ("" if cell is None else f"{cell.error:.2g} {cell.grade or '-'}" for cell in found)
         table.add_row(*map(escape, names), *cells)
-    if any(one.held < ENOUGH for one in scores):
+    if any(row.held < ENOUGH for row in scores):
         table.caption = f"no class (-) below {100 * ENOUGH:.0f} % of the time at all stations"
     return table

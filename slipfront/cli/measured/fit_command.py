@@ -293,7 +293,7 @@ def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
                 f"@X on the interface, with one of {', '.join(QUANTITIES)}, got {shown(text)}."
             )
         try:
-            place = [_measured(scene, "gauge", one, "length") for one in match[3].split(",")]
+            place = [_measured(scene, "gauge", at, "length") for at in match[3].split(",")]
         except SceneError as error:
             raise SceneError(f"{option_name('gauge')} {match[1]}: the place {error}") from None
         if result.setdefault(match[1].strip(), (match[2], *place)) != (match[2], *place):
@@ -312,12 +312,12 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
         # the second number of a log-normal prior is a factor
         if is_fitted_on_line(scene):
             name = number_name(scene, name)
-        one = dimension(name, scene)
-        kinds = one, "1" if kind == "lognormal" else one
+        own = dimension(name, scene)
+        kinds = own, "1" if kind == "lognormal" else own
         try:
             numbers = [
-                _measured(scene, "prior", number, one)
-                for number, one in zip(match.group(3, 4), kinds, strict=True)
+                _measured(scene, "prior", number, quantity)
+                for number, quantity in zip(match.group(3, 4), kinds, strict=True)
             ]
         except SceneError as error:
             raise SceneError(f"{_no_prior(text)} Its numbers: each {error}") from None

@@ -152,7 +152,7 @@ def validate_command(
         **conventions,
     )
     reading = ReadingOptions(
-        tuple(_in_file("at", one, units) for one in places.get("at", ())),
+        tuple(_in_file("at", place, units) for place in places.get("at", ())),
         _in_file("origin", places.get("origin", 0.0), units),
         _columns(places.get("column", ())),
     )

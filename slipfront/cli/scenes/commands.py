@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -19,9 +18,9 @@ from semianalytic import Scene, find
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
+from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
-from semianalytic.scene.given.lines import NAMED_LINES, NAMED_SPECIMENS
-from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS
@@ -77,15 +76,15 @@ def scenes(as_json: AsJson = False) -> None:
 
 
 def _own_rows() -> Iterator[dict[str, Any]]:
-    own = [(name, one.scene, one.summary) for name, one in NAMED_SCENES.items()]
+    own = [(name, named.scene, named.summary) for name, named in NAMED_SCENES.items()]
     lines = NAMED_LINES.items()
-    own += [(name, find(name), tomllib.loads(text)["summary"]) for name, text in lines]
+    own += [(name, find(name), read_document(path)["summary"]) for name, path in lines]
     for name, scene, summary in own:
         row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
         yield {**row, "summary": summary, "scene": scene_document(scene)}
-    for name, text in NAMED_SPECIMENS.items():
+    for name, path in NAMED_SPECIMENS.items():
         row = {"name": name, "what": "specimen", "package": None, "problem": ""}
-        given = tomllib.loads(text)
+        given = read_document(path)
         yield {**row, "summary": given.pop("summary"), "scene": given}
 
 
@@ -168,8 +167,7 @@ def init(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        own = finite or NAMED_LINES.get(from_)
-        text = text_of(Path(from_)) if own is None else own.lstrip()
+        text = text_of(finite or NAMED_LINES.get(from_, Path(from_)))
     else:
         solid = None if material is None else find_solid(material)
         if units or solid:
@@ -178,7 +176,7 @@ def init(
         text = scene_text(scene, from_, remark, with_all=with_all)
     document = {"scene": scene_document(scene), "units": _units(scene), "text": text}
     if finite:
-        document = {"scene": tomllib.loads(finite), "units": {}, "text": text}
+        document = {"scene": read_document(finite), "units": {}, "text": text}
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:

@@ -80,10 +80,10 @@ def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> A
     for asked, other in (("x", "t"), ("t", "x")):
         bare = [n for n in getattr(points, asked) if not isinstance(n, InSI)]
         if bare and any(isinstance(n, InSI) for n in getattr(points, other)):
-            one = "5cm" if asked == "x" else "30us"
+            example = "5cm" if asked == "x" else "30us"
             raise SceneError(
                 f"{option_name(asked)} {bare[0]:g} has no unit while {option_name(other)} has one; "
-                f"write it as in {option_name(asked)} {one}."
+                f"write it as in {option_name(asked)} {example}."
             )
     if len(points.x) * max(len(points.t), 1) > MOST:
         raise SceneError(f"--x and --t make more than {MOST} points; give fewer.")
@@ -92,7 +92,7 @@ def points_of(scene: Any, x: Sequence[str] | None, t: Sequence[str] | None) -> A
 
 def _numbers(scene: Any, name: str, texts: Sequence[str]) -> Iterator[float]:
     dimension = "length" if name == "x" else "time"
-    for text in (part for one in texts for part in one.split(",")):
+    for text in (part for written_in in texts for part in written_in.split(",")):
         number = read_number(scene, name, text, dimension)
         if number <= 0 and not (name == "x" and scene.on_line):
             raise SceneError(
@@ -118,8 +118,8 @@ def points_table(answer: Any, points: AskedPoints) -> PrintedTable:
         place = f"x = {_given(x, 'length', scene)}"
         if t in (None, points.t[:1] and points.t[0]):
             for name, words in _worth(point["arrivals"]):
-                one = {key: number / size for key, number in point["arrivals"][name].items()}
-                value, bar = written(**one, never=never)
+                arrival = {key: number / size for key, number in point["arrivals"][name].items()}
+                value, bar = written(**arrival, never=never)
                 table.add_row(place, words, value, bar, times)
                 place = ""
         place = "" if t is None else f"{place and f'{place}, '}t = {_given(t, 'time', scene)}"
@@ -161,7 +161,7 @@ def show_answer(
 
 def _worth(arrivals: Mapping[str, Mapping[str, float]]) -> list[tuple[str, str]]:
     """Return the arrivals to show: of either sense, then of one where both come, and openings."""
-    comes = {name for name, one in arrivals.items() if math.isfinite(one["value"])}
+    comes = {name for name, arrival in arrivals.items() if math.isfinite(arrival["value"])}
     both = {"forward", "reverse"} <= comes
     first = {"forward", "reverse"} & comes if not both else set()
     words = dict(_ARRIVALS)

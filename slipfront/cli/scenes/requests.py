@@ -56,7 +56,7 @@ def place_of(scene: Scene, text: str) -> tuple[float, float]:
 def cells_of(text: str) -> tuple[int, int]:
     required = f"be two whole numbers nx,ny from 2 to {MOST_POINTS}"
     nx, ny = _numbers("grid", text, 2, required)
-    if not all(one.is_integer() and 2 <= one <= MOST_POINTS for one in (nx, ny)):
+    if not all(count.is_integer() and 2 <= count <= MOST_POINTS for count in (nx, ny)):
         raise SceneError(f"--grid must {required}, got {shown(text)}.")
     return int(nx), int(ny)
 

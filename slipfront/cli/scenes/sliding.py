@@ -48,7 +48,7 @@ def sliding(
     system of units, or with units.
     """
     numbers = {name: _numbers(name, text) for name, text in (("upper", upper), ("lower", lower))}
-    sized = [isinstance(one, InSI) for given in numbers.values() for one in given[:2]]
+    sized = [isinstance(number, InSI) for given in numbers.values() for number in given[:2]]
     if any(sized) and not all(sized):
         raise SceneError(
             "--upper and --lower must have units at all moduli and densities or at none."

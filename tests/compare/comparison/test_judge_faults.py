@@ -218,7 +218,7 @@ class TestSimulationsAtFault:
 
     @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
     def test_what_is_not_finite_is_refused(self, solution, coarse, field):
-        with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
+        with pytest.raises(DataFileError, match=f"has a {field.replace('_', ' ')} that is not"):
             judge(solution, spoilt(coarse, field, np.nan, at=(3, 5)))
 
     @pytest.mark.parametrize("level", [10, -20, -3, -2, -1])
@@ -245,7 +245,7 @@ class TestSimulationsAtFault:
     def test_so_is_a_companion(self, solution, coarse):
         values = np.full_like(coarse.companion.final_path, np.inf)
         wrong = replace(coarse, companion=replace(coarse.companion, final_path=values))
-        with pytest.raises(DataFileError, match="resolution 30 holds a final path"):
+        with pytest.raises(DataFileError, match="resolution 30 has a final path"):
             judge(solution, wrong)
 
     @pytest.mark.slow

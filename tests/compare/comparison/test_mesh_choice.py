@@ -304,7 +304,7 @@ def test_the_remedy_of_a_row_costs_what_the_choice_says(pace):
     run = simulate(scene, resolution=8)
     *_, gap = choose_mesh(solution, scene, resolution=8).unresolved
     taken = toll(gap.seconds, gap.memory)
-    expected = f"resolution {gap.resolution}, h = 6.7e-05: {taken}, more than a mesh may hold"
+    expected = f"resolution {gap.resolution}, h = 6.7e-05: {taken}, more than a mesh may have"
     remedy = side_by_side(run, run).remedy
     assert remedy(gap.resolution) == expected
     near = 4 * run.resolution

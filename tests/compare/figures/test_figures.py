@@ -16,7 +16,6 @@ from compare.comparison.scales import scene_fronts
 from compare.figures.histories import comparison_figures, curve
 from compare.figures.interface import (
     fronts_figure,
-    prediction_figure,
     slip_rate_figure,
     tractions_figure,
 )
@@ -31,14 +30,13 @@ from semianalytic.scene.given.named import NAMED_SCENES
 
 @pytest.fixture(scope="module", params=SELF_SIMILAR)
 def drawn(request):
-    """A prediction, its own figure and those that show a run without error beside it."""
+    """A prediction, and figures that show a run without error beside it."""
     solution = solved(NAMED_SCENES[request.param].scene)
     history = sampled_run(solution, resolution=50, companions=0).interface
     figures = {
         "slip rate": slip_rate_figure(solution, history),
         "tractions": tractions_figure(solution, history),
         "fronts": fronts_figure(solution, history),
-        "prediction": prediction_figure(solution),
     }
     return solution, history, figures
 
@@ -94,23 +92,13 @@ def test_fronts_figure_maps_position_and_time(drawn):
 
 
 @pytest.mark.thinned(6)
-def test_prediction_figure_needs_no_simulation(drawn):
-    solution, _, figures = drawn
-    labels = ["slip rate", "traction", *("gap" for _ in solution.openings)]
-    for panel, label in zip(figures["prediction"].axes, labels, strict=True):
-        assert panel.get_ylabel().startswith(label)
-        assert_finite(panel)
-
-
-@pytest.mark.thinned(6)
 def test_figures_draw_into_axes_of_others(drawn):
     solution, history, _ = drawn
     figure = Figure()
-    panels = figure.subplots(3, 2)
+    panels = figure.subplots(2, 2)
     assert slip_rate_figure(solution, history, axes=tuple(panels[0])) is figure
     assert tractions_figure(solution, history, axes=panels[1, 0]) is figure
     assert fronts_figure(solution, history, axes=panels[1, 1]) is figure
-    assert prediction_figure(solution, axes=tuple(panels[2])) is figure
     assert all(panel.has_data() for panel in panels.flat)
 
 

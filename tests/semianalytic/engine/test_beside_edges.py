@@ -95,7 +95,7 @@ def test_what_cannot_be_read_is_refused():
     with pytest.raises(sf.SceneError, match="begins or ends at x = 1; ends are 0"):
         done.beside_edge(1.0)
     slipping = slotted(ROCK, 0.5, 8.0, [(-3.9, -3.1), (0.0, 3.0)], 64, pressure=1.0)
-    with pytest.raises(sf.SceneError, match="slips beside x = 0 at t = 1"):
+    with pytest.raises(sf.SceneError, match="slips next to x = 0 at t = 1"):
         slipping.beside_edge(0.0)
     with pytest.raises(sf.SceneError, match=r"fewer than 8 nodes lie between x = -3.1 .* more"):
         slipping.beside_edge(-3.1)

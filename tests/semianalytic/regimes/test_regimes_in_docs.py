@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from docs_pages import assert_page_says, quoted_numbers
 
+from docs.studies.article.published import REVERSE_LIMIT
 from semianalytic import Material, solve
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
-from semianalytic.reference.published import REVERSE_LIMIT
 from semianalytic.regimes import reverse_slip
 from semianalytic.regimes.thresholds import (
     crossing_poisson_ratio,

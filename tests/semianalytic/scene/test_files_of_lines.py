@@ -10,7 +10,7 @@ import semianalytic as sf
 from docs.studies.lines import scene_along
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.documents import scene_document, scene_from_document, toml_text
-from semianalytic.scene.given.lines import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_LINES
 from semianalytic.scene.line.fields import Expression
 from semianalytic.scene.tables.columns import UnreadColumns
 from slipfront.cli.commands import main

@@ -11,8 +11,7 @@ from fem.elements.families import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find
 from semianalytic.methods import chosen
-from semianalytic.scene.given.lines import NAMED_LINES
-from semianalytic.scene.given.named import NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.scene import MODES
 from slipfront.cli import commands

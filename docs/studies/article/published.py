@@ -88,12 +88,7 @@ def kernel_primitives(
 ) -> tuple[Array, Array]:
     """Return int 4 v sqrt(v^2 - a^2) dv and int (1 - 2v^2)^2 / (v sqrt(v^2 - 1)) dv up to u, b = 1.
 
-    They are L^(a) of (7.9) and L^(b) of (7.10), each 0 ahead of its front.
-
-    Parameters
-    ----------
-    u : slowness, any shape [1/b].
-    printed_arctan : the arctan without its factor b^3, in the article's units b = 0.2.
+    They are L^(a) of (7.9) and L^(b) of (7.10), each 0 ahead of its front, at slownesses u [1/b].
     """
     a = rayleigh_factors(poisson_ratio).a
     root = np.sqrt(np.maximum(u * u - 1, 0.0))
@@ -104,15 +99,8 @@ def kernel_primitives(
 
 @dataclass(frozen=True, eq=False)
 class PublishedGrid:
-    """Collocation points, nodes and matrix of a reading.
-
-    Attributes
-    ----------
-    edges : (n + 1,) array, ends of the intervals in u [1/b]
-    points : (n,) array, collocation points
-    matrix : (n, n) array, L_j(u_k) [mu b]
-    condition : float, its condition number; inf if it is singular
-    """
+    """Ends of the intervals (n + 1,) and collocation points (n,) of a reading in u [1/b], its
+    matrix L_j(u_k) (n, n) [mu b], and the condition number of that, inf if it is singular."""
 
     edges: Array
     points: Array
@@ -129,20 +117,8 @@ def published_grid(
 ) -> PublishedGrid:
     """Matrix of a reading on `size` equal intervals up to u = 5 b, x = c_t t / 5 (5.2)-(5.4).
 
-    Parameters
-    ----------
-    reading : AlgorithmReading
-    size : int, n_u
-    poisson_ratio : float
-    place : where in each interval it collocates, 0.5 for the middle.
-
-    Raises
-    ------
-    SceneError
-        If size is below 2 or place not inside (0, 1).
+    It collocates at `place` in each interval, 0.5 for the middle.
     """
-    if size < 2 or not 0 < place < 1:
-        raise SceneError("published_grid: size must be at least 2 and place between 0 and 1.")
     a = rayleigh_factors(poisson_ratio).a
     start = {"0": 0.0, "a": a, "b": 1.0}[reading.start]
     # Slowness [1/b] up to which it collocates: x = c_t t / 5.
@@ -184,22 +160,12 @@ def published_grid(
 
 @dataclass(frozen=True, eq=False)
 class PublishedSlip:
-    """The result of the published algorithm.
-
-    Attributes
-    ----------
-    u : (n,) array, places of the unknowns in slowness t/x [1/b]
-    slip_rate : (n,) array [f P_0 / (mu b)]
-    settled : bool, whether the signs of friction agree with those of the slip rate
-    reversals : int, rounds of sign reversal
-    condition : float
-    """
+    """Slip rates (n,) [f P_0 / (mu b)] of the published algorithm at slownesses u (n,) [1/b], and
+    whether the signs of friction agree with those of slip."""
 
     u: Array
     slip_rate: Array
     settled: bool
-    reversals: int
-    condition: float
 
     def at(self, u: Array) -> Array:
         """Return the slip rate at slownesses u, linear between the unknowns, 0 ahead of all."""
@@ -216,20 +182,8 @@ def published_slip(
 ) -> PublishedSlip:
     """Run a reading: solve, reverse friction where slip has the other sign, repeat (5.1), (7.11).
 
-    Parameters
-    ----------
-    chi : f P_0 / Q_0, positive.
-    reading : AlgorithmReading
-    size : n_u
-    poisson_ratio, place : as `published_grid`.
-
-    Raises
-    ------
-    SceneError
-        If chi is not positive, or the matrix of the reading is singular.
+    chi is f P_0 / Q_0 > 0 and `size` n_u; a singular matrix is refused by a SceneError.
     """
-    if not (np.isfinite(chi) and chi > 0):
-        raise SceneError(f"published_slip: chi must be positive, got {chi!r}.")
     grid = published_grid(reading, size, poisson_ratio, place)
     if not np.isfinite(grid.condition):
         raise SceneError(f"the matrix of this reading is singular ({reading.label}).")
@@ -247,7 +201,7 @@ def published_slip(
             break
         sense, reversals = slip_sense, reversals + 1
     u = grid.points if reading.basis == "box" else grid.edges[:-1]
-    return PublishedSlip(u, rate, settled, reversals, grid.condition)
+    return PublishedSlip(u, rate, settled)
 
 
 def _largest_forward(slip: PublishedSlip) -> float:
@@ -328,7 +282,7 @@ def examine_reading(reading: AlgorithmReading, size: int = 100) -> ReadingResult
     above = published_slip(2.0, reading, 2 * size)
     return ReadingResult(
         reading,
-        fine.condition,
+        fine_grid.condition,
         difference(published_slip(0.5, reading, size)),
         fine.settled and above.settled,
         _end_of_first_slip(above),

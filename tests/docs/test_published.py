@@ -4,8 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference import (
+from docs.studies.article.published import (
     ARTICLE_SHEAR_SLOWNESS,
     DEFAULT_READING,
     REVERSE_LIMIT,
@@ -17,6 +16,7 @@ from semianalytic.reference import (
     published_slip,
     readings,
 )
+from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import SceneError
 
 
@@ -110,12 +110,3 @@ def test_no_reading_gives_the_published_limit():
     assert len(results) == 144
     assert np.all(np.abs(limits[np.isfinite(limits)] - REVERSE_LIMIT) > 0.02)
     assert {r.reading.delay for r in results if np.isinf(r.condition)} == {"printed"}
-
-
-def test_bad_input():
-    with pytest.raises(SceneError, match="chi must be positive"):
-        published_slip(0.0)
-    with pytest.raises(SceneError, match="size must be"):
-        published_grid(DEFAULT_READING, 1)
-    with pytest.raises(SceneError, match="size must be"):
-        published_grid(DEFAULT_READING, 5, place=1.0)
