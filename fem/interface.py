@@ -68,9 +68,7 @@ class FacePair:
 
     def _jump(self, name: str) -> Array:
         """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
-        upper, *lower = (
-            getattr(face.body, name)[face.unknowns] * face.scale for face in self.faces
-        )
+        upper, *lower = (getattr(f.body, name)[f.unknowns] * f.scale for f in self.faces)
         return np.asarray(upper + lower[0] if lower else 2 * upper)
 
     def offset(self) -> Array:

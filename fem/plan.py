@@ -103,8 +103,7 @@ class Plan:
         if self.name == TWO_MATERIALS and self.scene.antiplane and self.is_pressed:
             raise SceneError(
                 "simulate: blocks of different materials slip along x as well where their "
-                "pressure changes; keep the pressure of antiplane shear constant "
-                "(docs/limits.md)."
+                "pressure changes; keep it constant in antiplane shear (docs/limits.md)."
             )
 
     @property

@@ -131,14 +131,10 @@ class ChartedMethod:
 
 METHODS: Mapping[str, ChartedMethod] = {
     "exact": ChartedMethod(
-        "exact solver",
-        "rtol {}",
-        (1e-2, 1e-4, 1e-6, 1e-8, 1e-10),
-        exact,
-        lambda task: task.is_exact,
+        "exact solver", "rtol {}", (1e-2, 1e-4, 1e-6, 1e-8, 1e-10), exact, lambda p: p.is_exact
     ),
     "march": ChartedMethod(
-        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda task: task.is_alike
+        "march", "{} nodes", (128, 256, 512, 1024, 2048), marched, lambda p: p.is_alike
     ),
     "fem": ChartedMethod(
         "finite elements", "{} elements per $c_t T$", (25, 50, 100, 200), _finite_elements

@@ -135,9 +135,7 @@ def measure_all(
     labels = {problem.label for problem in problems}
     if len(labels) < len(problems):
         raise SceneError("Two scenes have the same name; give each its own --output folder.")
-    planned: dict[Key, Problem] = {
-        (task.label, *at): task for task in problems for at in task.tasks
-    }
+    planned: dict[Key, Problem] = {(p.label, *at): p for p in problems for at in p.tasks}
     here, stored = this_machine(), read_points(directory / FILE)
     others = [point for point in stored if point.key[0] not in labels]
     done = {point.key: point for point in stored if not fresh and _counts(point, planned, here)}

@@ -34,9 +34,8 @@ def read_npz(path: Path, options: ReadingOptions) -> Records:
     if not zipfile.is_zipfile(path):
         return records_of_arrays(path, _fields(path), options)
     with zipfile.ZipFile(path) as file:
-        members = {
-            info.filename.removesuffix(".npy"): info for info in file.infolist()[:MOST_FILES]
-        }
+        infos = file.infolist()[:MOST_FILES]
+        members = {info.filename.removesuffix(".npy"): info for info in infos}
         heads = {name: _head(file, member) for name, member in members.items()}
         wanted = _wanted(path, list(members), options)
         for name in wanted:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -80,7 +81,7 @@ def main(folder: Path) -> None:
         panel.set(xlabel="angle of incidence [degrees]", ylabel="friction")
         panel.set_title(f"{kind}: what slips first")
         bar = figure.colorbar(image, ax=panel, ticks=range(5), location="bottom", aspect=40)
-        bar.ax.set_xticklabels([one.replace(" ", "\n", 1) for one in STATES], fontsize=7)
+        bar.ax.set_xticklabels([fill(state, 9) for state in STATES], fontsize=8)
     figure.savefig(folder / "incident_waves.png", dpi=120)
 
 

@@ -220,8 +220,7 @@ def check_pressure(scene: Scene) -> None:
     if base < 0 or (step != 0 and base <= max(LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
-            f"ahead; make the base pressure positive, at least {LEAST_BASE:.0e} of the step "
-            "(docs/limits.md)."
+            f"ahead; make it positive, at least {LEAST_BASE:.0e} of the step (docs/limits.md)."
         )
 
 

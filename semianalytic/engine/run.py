@@ -137,9 +137,7 @@ def run(
         if not (times and all(0 <= time <= end_time for time in times)):
             raise SceneError("run: times must lie between 0 and the end time.")
     if slipping is not None:
-        slipping = checked_number(
-            "run: slipping", slipping, "be 0 or more", lambda given: given >= 0
-        )
+        slipping = checked_number("run: slipping", slipping, "be 0 or more", lambda n: n >= 0)
     settings = _checked_settings(settings)
     options: dict[str, Any] = {
         "step_ratio": step_ratio,

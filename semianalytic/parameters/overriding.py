@@ -55,9 +55,8 @@ def override_scene(
             "viscosity goes with constant or viscous friction only, and this scene's weakens; "
             "leave viscosity out, or take out the scene's friction law."
         )
-    words = {
-        name: word for name, word in (("mode", mode), ("load_on", load_on)) if word is not None
-    }
+    asked = (("mode", mode), ("load_on", load_on))
+    words = {name: word for name, word in asked if word is not None}
     load = overridden_load(scene.load, loads, {**waves, "kind": wave, "from_": wave_from})
     lower = {name: given.pop(name) for name in list(given) if name.startswith("lower_")}
     if missing := sorted(given.keys() - numbers_of(scene).keys()):

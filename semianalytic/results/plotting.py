@@ -139,9 +139,8 @@ def scene_title(scene: Any) -> str:
         if not number or value:
             words.append(f"{of} {what} {_with_unit(value, pascal) if number else 'varies'}")
     words += [] if plain else [_kind_of(load)]
-    histories = (
-        {type(past).__name__ for past in scene.acting_histories.values()} if plain else set()
-    )
+    acting = scene.acting_histories.values() if plain else ()
+    histories = {type(history).__name__ for history in acting}
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
         words.append(f"period {_with_unit(scene.period, metre)}")

@@ -29,9 +29,7 @@ def _is_array(value: Any) -> bool:
     # texts and dates would become numbers; rows of different lengths raise, as in all checks
     kind = np.asarray(value).dtype.kind
     np.asarray(value, dtype=float)
-    return kind in "biuf" or (
-        kind == "O" and all(isinstance(item, Real) for item in np.ravel(value))
-    )
+    return kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
 
 
 _Check = tuple[Callable[[Any], bool], str]

@@ -306,8 +306,7 @@ class Scene(AlongLine):
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
                 f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
-                f"{radiated:.4g}); raise the rate or the dynamic friction of the law "
-                "(docs/limits.md)."
+                f"{radiated:.4g}); raise its rate or dynamic friction (docs/limits.md)."
             )
 
     def _at_rest(self, tractions: Tractions) -> bool:

@@ -101,9 +101,7 @@ class GrowingZone:
     edge: float
 
     def __getstate__(self) -> dict[str, Any]:
-        return {
-            part.name: getattr(self, part.name) for part in fields(self)
-        }  # integrals are closures
+        return {part.name: getattr(self, part.name) for part in fields(self)}  # no closures
 
     @cached_property
     def polynomial(self) -> Array:

@@ -55,9 +55,7 @@ class Spreading:
     lead: float = np.inf
 
     def __getstate__(self) -> dict[str, Any]:
-        return {
-            part.name: getattr(self, part.name) for part in fields(self)
-        }  # integrals are closures
+        return {part.name: getattr(self, part.name) for part in fields(self)}  # no closures
 
     @cached_property
     def beyond(self) -> float:

@@ -319,9 +319,8 @@ class LineCase(Case):
         if not follows_path(type(law)) or np.any(law.on(finest.x[on], size).pressure_delay(0.0)):
             return None
         law, pressure = law.on(finest.x[on], size), np.maximum(finest.pressure[:, on], 0.0)
-        fastest = float(
-            np.abs(np.diff(finest.window_slip, axis=1)[:, 0] / np.diff(finest.window)).max()
-        )
+        gained = np.diff(finest.window_slip, axis=1)[:, 0]
+        fastest = float(np.abs(gained / np.diff(finest.window)).max())
         none = np.zeros_like(pressure)
         found = [
             np.asarray(law.strength(pressure, none + speed, none + path))

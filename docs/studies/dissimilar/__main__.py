@@ -180,7 +180,7 @@ STUDIES = [
         pairs.honesty,
     ),
     Study(
-        "dissimilar-witness",
+        "dissimilar-fields",
         lambda quick: [(name, 24 if quick else pairs.FIELDS_RESOLUTION) for name in FIELDS],
         pairs.fields_rows,
     ),

@@ -249,8 +249,7 @@ class MarchedBodies:
             if np.any(t > arrival * (1 + ROUNDING)):
                 raise SceneError(
                     f"this answer knows the contact to x = {end:.6g} only, and waves from beyond "
-                    "have come; ask for earlier times, or march on a greater length "
-                    "(docs/limits.md)."
+                    "have come; ask for earlier times, or march farther (docs/limits.md)."
                 )
             if self.scene.front_slowness and np.any(x < self.within[0]):
                 raise SceneError(

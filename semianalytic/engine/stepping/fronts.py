@@ -124,10 +124,9 @@ def acting_loads(scene: Scene) -> tuple[InterfaceLoad | ActingFront, ...]:
         for load in scene.loads
     )
     for load in loads:
-        ahead = isinstance(load, ActingFront) and any(
-            size.imag for size in load.amplitudes.values()
-        )
-        if isinstance(load, ActingFront) and ahead and not comes_back(load.history):
+        if not isinstance(load, ActingFront) or comes_back(load.history):
+            continue
+        if any(size.imag for size in load.amplitudes.values()):
             raise SceneError(
                 f"load: {load.front} is beyond a critical angle, so that the wave runs "
                 "along the interface ahead of the front; its history has to return to 0 by "

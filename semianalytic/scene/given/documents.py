@@ -276,9 +276,7 @@ class _Reading:
         if set(table) == {"pressure", "shear"} and not any(
             self._mentions_time(value) for value in table.values()
         ):
-            return Tractions(
-                **{key: self.field(f"load.{key}", cell) for key, cell in table.items()}
-            )
+            return Tractions(**{key: self.field(f"load.{key}", of) for key, of in table.items()})
         check_keys("load.", table, (), ("shear", "pressure", "history", "on"))
         acting = [name for name in ("shear", "pressure") if name in table]
         if not acting:

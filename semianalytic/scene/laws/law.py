@@ -344,9 +344,7 @@ def check_rate(law: Law, pressure: Array, state: Array, impedance: float) -> Non
     if not size > 0:
         return
     speeds = size * np.concatenate([[0.0], np.logspace(-14, 2, 161)])
-    steepest = _steepest(
-        (law.strength(pressure, 0 * pressure + rate, state), rate) for rate in speeds
-    )
+    steepest = _steepest((law.strength(pressure, 0 * pressure + v, state), v) for v in speeds)
     if steepest > impedance * (1 + 1e-6):
         raise SceneError(
             "interface: friction falls with slip rate faster than radiation can balance "

@@ -250,9 +250,7 @@ class Expression:
         """Return the value at arguments, which broadcast; nan or inf where there is none."""
         known = {**self.numbers, **dict(zip(self.variables, values, strict=True))}
         # numbers of numpy divide by 0 and overflow to inf or nan, which fields refuse
-        known = {
-            key: np.float64(size) if np.ndim(size) == 0 else size for key, size in known.items()
-        }
+        known = {key: np.float64(x) if np.ndim(x) == 0 else x for key, x in known.items()}
         with np.errstate(all="ignore"):
             return self._value(known)
 

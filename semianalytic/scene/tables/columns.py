@@ -66,9 +66,8 @@ class Tables:
     def warn_of_unread(self) -> None:
         """Warn once of each table that has columns nothing asked for."""
         for path, columns in self._known.items():
-            names = [
-                cell.heading for cell in columns[1:] if (path, cell.heading) not in self._asked
-            ]
+            headings = (column.heading for column in columns[1:])
+            names = [heading for heading in headings if (path, heading) not in self._asked]
             if names:
                 known = ", ".join(name[:40] for name in names[:10]) + ", ..." * bool(names[10:])
                 sentence = f"{path}: columns that are not read: {known}."

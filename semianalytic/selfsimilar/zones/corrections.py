@@ -152,10 +152,7 @@ def _corrected_beside(
     for index, zone in enumerate(zones):
         first[index] = len(parts)
         parts += _closed_parts(zone, opening) if _holds(zone, opening) else [zone]
-    moved = [
-        replace(broken, zone=_part_of(broken, parts, first.get(broken.zone, -1)))
-        for broken in violations
-    ]
+    moved = [replace(v, zone=_part_of(v, parts, first.get(v.zone, -1))) for v in violations]
     closed = corrected(parts, moved, replace(load, opened=None))
     return _joined_across(closed, opening)
 
@@ -258,7 +255,6 @@ def _with_missing_slip(
             result[after - 1] = replace(result[after - 1], right=broken.right)
         elif sound:
             at_front = after == 0 and load.critical and broken.sense * load.base_shear > 0
-            result.insert(
-                after, Zone(None if at_front else broken.left, broken.right, broken.sense)
-            )
+            left = None if at_front else broken.left
+            result.insert(after, Zone(left, broken.right, broken.sense))
     return result
