@@ -366,5 +366,5 @@ def test_a_named_specimen_is_listed_and_written_and_read_again(tmp_path, printed
 @pytest.mark.slow
 def test_compare_prints_a_specimen(printed):
     document = printed("compare pmma-specimen --quiet")
-    assert document["verdict"] == "agrees"
+    assert document["status"] == "agrees"
     assert document["comparison"]["until"] == pytest.approx(32.3e-6, rel=0.01)
