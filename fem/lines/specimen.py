@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fem.elements.assembly import IN_PLANE, STIFFNESS, X, Y
-from fem.lines.blocks import SIDES, LineBlock
+from fem.lines.blocks import MOST_WORK, SIDES, LineBlock
 from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
@@ -248,6 +248,9 @@ class Specimen:
     def nodes(self, size: float) -> tuple[Array, list[int]]:
         """Return the positions of the joint's nodes, and the column of the first in each block."""
         left, right = self.joint
+        area = sum((block.right - block.left) * block.height for block in self.blocks)
+        if area > MOST_WORK * size**2:
+            raise SceneError(f"simulate: squares of {size:g} are too many; choose a larger size.")
         for block in self.blocks:
             spans = np.array([left - block.left, right - left, block.right - right, block.height])
             if np.abs(spans / size - np.rint(spans / size)).max() > WHOLE * spans.max() / size:

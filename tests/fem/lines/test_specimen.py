@@ -273,6 +273,7 @@ def test_the_command_simulates_a_file_and_keeps_its_answer(tmp_path, capsys):
         (("[[0.0, 0.5]]", "[[0.0, 5.0]]"), "on the joint or outside"),
         (("right = 1.0", "rigth = 1.0"), "did you mean right"),
         (("size = 0.1", "size = 0.3"), "choose another size"),
+        (("size = 0.1", "size = 1e-9"), "choose a larger size"),
     ],
 )
 def test_a_bad_file_is_one_sentence_and_exit_code_2(change, said, tmp_path, refused):
