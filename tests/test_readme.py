@@ -140,12 +140,9 @@ def test_an_index_shows_the_readme_with_absolute_links(monkeypatch):
     hook = runpy.run_path(str(ROOT / "hatch_build.py"))
     shown = hook["index_readme"](README, "https://forge.org/us/slipfront")
     targets = re.findall(r"\]\(([^)]*)\)", shown)
-    assert len(targets) > 20
-    assert [target for target in targets if not target.startswith("https://")] == []
-    raw = [target for target in targets if "/raw/main/docs/figures/" in target]
-    assert len(raw) == len(re.findall(r"!\[", README)) > 0
-    assert re.findall(r"\]\(", hook["index_readme"](README, "")) == []
-    assert "[" not in hook["index_readme"]("a [page](docs/a.md), ![seen](b.png)", "")
+    assert len([target for target in targets if target.startswith("https://")]) == len(targets) > 20
+    assert shown.count("/raw/main/docs/figures/") == README.count("![") > 0
+    assert "](" not in hook["index_readme"](README, "")
     monkeypatch.setenv("GITHUB_SERVER_URL", "https://forge.org")
     monkeypatch.setenv("GITHUB_REPOSITORY", "us/slipfront")
     urls = hook["project_urls"](hook["repository"]())

@@ -1,17 +1,12 @@
 """Scenes of a chart, the methods that answer them, and one measured point of a method.
 
-``python -m compare.chart.methods SOURCE END_TIME METHOD SETTING --lifeline`` measures one point in
-a process of its own with one linear-algebra thread, and prints it as JSON: no point warms up
+Each point is measured in a process of its own with one linear-algebra thread: no point warms up
 another, and a method that exhausts the memory ends nothing else.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -20,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.tasks.workers import LIFELINE, ONE_THREAD, hang_on, lifeline
+from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
 from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
@@ -168,23 +163,14 @@ def measured(problem: Problem, method: str, setting: float) -> dict[str, Any]:
 
 def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
     """Return `measured` of a fresh process, which may fail, for instance for lack of memory."""
-    given = [problem.source, repr(float(problem.end_time)), method, repr(setting), LIFELINE]
-    command = [sys.executable, "-m", "compare.chart.methods", *given]
-    environment = {**os.environ, **ONE_THREAD}
-    with lifeline() as stdin:
-        process = subprocess.run(
-            command, stdin=stdin, env=environment, capture_output=True, text=True
-        )
-    if process.returncode:
-        last = (process.stderr.strip().splitlines() or ["no message"])[-1]
+    try:
+        return dict(in_fresh_process(_measured, problem.source, problem.end_time, method, setting))
+    except Exception as error:  # of any kind, or the process was killed
         raise ComputationError(
-            f"{METHODS[method].label} on {problem.label} at {setting:g} ended with code "
-            f"{process.returncode} ({last}); start again to go on with the other points."
-        )
-    return dict(json.loads(process.stdout))
+            f"{METHODS[method].label} on {problem.label} at {setting:g} failed ({error}); start "
+            "again to go on with the other points."
+        ) from error
 
 
-if __name__ == "__main__":
-    hang_on()
-    charted = find_problem(sys.argv[1], float(sys.argv[2]))
-    print(json.dumps(measured(charted, sys.argv[3], float(sys.argv[4]))))
+def _measured(source: str, end_time: float, method: str, setting: float) -> dict[str, Any]:
+    return measured(find_problem(source, end_time), method, setting)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 
 from rich import progress
 from rich.console import Console
@@ -38,6 +39,14 @@ def progress_bar(
         console=console,
         disable=quiet or not console.is_terminal,
         transient=True,
+        auto_refresh=False,  # by a thread, beside which no process could be a copy of this one
     ) as bar:
-        task = bar.add_task(doing, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+        task, drawn = bar.add_task(doing, total=None), -1.0
+
+        def show(done: int, total: int) -> None:
+            nonlocal drawn
+            due = monotonic() - drawn > 0.1
+            bar.update(task, completed=done, total=total, refresh=due)
+            drawn = monotonic() if due else drawn
+
+        yield show

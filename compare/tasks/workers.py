@@ -25,8 +25,6 @@ Task = tuple[Callable[..., Any], tuple[Any, ...]]
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Environment variables of a process with one linear-algebra thread."""
-LIFELINE = "--lifeline"
-"""Argument that informs a program that its standard input is a `lifeline`."""
 
 
 def run_tasks(
@@ -71,13 +69,24 @@ def run_tasks(
         yield result
 
 
-def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]]:
+def in_fresh_process(function: Callable[..., Any], *given: Any) -> Any:
+    """Call a module-level function in a new process of one thread; raises as `run_tasks`."""
+    ((_, result),) = _in_processes([(function, given)], 1, fresh=True)
+    return result
+
+
+def _in_processes(
+    tasks: Sequence[Task], count: int, *, fresh: bool = False
+) -> Iterator[tuple[int, Any]]:
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     others = set(multiprocessing.active_children())
     os.environ.update(ONE_THREAD)
-    pool = ProcessPoolExecutor(
-        count, multiprocessing.get_context("spawn"), initializer=_serve_parent
-    )
+    # Copies of this process need no imports; they lack its other threads, whose locks stay locked,
+    # and keep the threads of linear algebra that it began with.
+    safe = threading.active_count() == 1 and before["OPENBLAS_NUM_THREADS"] == "1"
+    copied = safe and not fresh and sys.platform == "linux"
+    context = multiprocessing.get_context("fork" if copied else "spawn")
+    pool = ProcessPoolExecutor(count, context, initializer=_serve_parent)
     finished = False
     try:
         # Ctrl-C is also held back from workers that are still starting
@@ -134,30 +143,12 @@ def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
 def _serve_parent() -> None:
     """Initialise a worker: leave Ctrl-C to the parent, and end when the parent ends in any way."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a copy of the parent has that of the parent
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_end_after, args=(wait, [parent.sentinel]), daemon=True).start()
+        threading.Thread(target=_end_after, args=([parent.sentinel],), daemon=True).start()
 
 
-def _end_after(waited: Callable[..., object], *given: Any) -> None:
-    waited(*given)
+def _end_after(sentinels: list[Any]) -> None:
+    wait(sentinels)
     os._exit(1)
-
-
-@contextmanager
-def lifeline() -> Iterator[int]:
-    """Yield a standard input by which a child process notices the death of its parent: it blocks.
-
-    The child calls `hang_on`.
-    """
-    here, there = os.pipe()
-    try:
-        yield here
-    finally:
-        os.close(here)
-        os.close(there)
-
-
-def hang_on() -> None:
-    """End this process when its parent dies; its standard input must be a `lifeline`."""
-    threading.Thread(target=_end_after, args=(os.read, 0, 1), daemon=True).start()

@@ -54,10 +54,10 @@ def maps() -> Iterator[np.ndarray]:
 def main(folder: Path) -> None:
     """Draw both waves and both maps."""
     figure = Figure(figsize=(9.6, 8.8), layout="constrained")
-    figure.suptitle(
-        "ν = 1/4, base pressure p, stress of the wave 1 p (P) or 0.4 p (SV), f = 0.2 above",
-        fontsize=10,
+    words = (
+        "ν = 1/4, base pressure p, stress p (P) and 0.4 p above, 0.3 p below (SV), f = 0.2 above"
     )
+    figure.suptitle(words, fontsize=10)
     above, below = figure.subplots(2, 2, height_ratios=(1.25, 1))
     middles = (np.arange(300) + 0.5) / 150 * FAR - FAR
     x, y = np.meshgrid(middles, middles)

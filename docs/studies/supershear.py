@@ -155,7 +155,7 @@ def transition_row(strength: float, farthest: float, coarse: int, fine: int) -> 
 
 def rupture_figure(rows: list[Row]) -> Figure:
     """Draw the speed of rupture fronts over S and distance, with the transition as a curve."""
-    words = "Speed of spontaneous ruptures whose friction falls linearly with slip"
+    words = "Speed of spontaneous ruptures under linear slip weakening"
     mapped = {
         "x": "strength",
         "y": "distance",
@@ -173,7 +173,6 @@ def rupture_figure(rows: list[Row]) -> Figure:
     for text, place in ((SUPERSHEAR, (0.28, 0.75)), (SUB_RAYLEIGH, (0.8, 0.15))):
         where: dict[str, Any] = {"transform": panel.transAxes, "ha": "center", "fontsize": SMALL}
         panel.text(*place, text, path_effects=outline(), **where)
-    panel.set_ylim(0)
     panel.legend(loc="upper right", fontsize=SMALL)
     return figure
 

@@ -118,7 +118,8 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
         raise SceneError(
             "scene: where these bodies stick, a wave runs along their interface at "
             f"{bonded * scene.material.shear_speed:.6g} (a Stoneley wave), at which tractions are "
-            "infinite; change a modulus or density (docs/dissimilar.md)."
+            "infinite; this solver does not treat it: change a modulus or density "
+            "(docs/dissimilar.md)."
         )
     clock = [perf_counter()]
     trial = _search(interface, rtol)

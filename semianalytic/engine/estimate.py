@@ -117,7 +117,7 @@ def estimated(
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
         needed = in_fours(scene.period * 4.0 / zone)
         status = (
-            f"unresolved: the contact slips next to an edge over about {zone:.2g}, which nodes "
+            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
             f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
         )
     if status == "done" and errors[name] > largest:

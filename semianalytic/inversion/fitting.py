@@ -120,6 +120,7 @@ def fit(
             f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
         )
     off = trials.grid_error(best.scaled, solution)
+    trials.followed = None  # nor do they depend on what came before
     if status == "converged" and off > 1.0:  # values are off by up to a standard error
         status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
     return Fit(

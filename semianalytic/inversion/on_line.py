@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -185,16 +185,17 @@ class LineTrials(Trials):
         """Whether each trial costs so much that there should be fewer of them."""
         return True
 
+    @property
+    def swept(self) -> frozenset[str]:
+        """No unknown: marches are not swept."""
+        return frozenset()
+
     def _solve(self, scene: Any) -> Any:
         return recorded(scene, scene.run.get("nodes", NODES), estimate=False)
 
-    def misfits(self, points: Sequence[Array]) -> Array:
-        """Return the misfits (m, n) of many values."""
-        return np.array([self.misfit(point) for point in points])
-
-    def _column(self, name: str, solution: Any, setup: Setup, t: Array) -> Array:
+    def _column(self, name: str, scene: Any, solution: Any, setup: Setup, t: Array) -> Array:
         if is_of_setup(name):
-            return super()._column(name, solution, setup, t)
+            return super()._column(name, scene, solution, setup, t)
         return self.difference(name, solution, setup, t)
 
     def _differenced(self, name: str) -> np.ndarray:

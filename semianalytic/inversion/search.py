@@ -8,6 +8,7 @@ as wide as the errors, find lower minima.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,8 @@ WORTH = 0.3
 """Fall of chi2 that calls for one more round: a tenth of what parameters cost it."""
 SHORT = 9
 """Solutions of least squares that need not end: the lowest are taken further."""
+ARRIVED = 0.1
+"""Standard errors from a known minimum at which a search ends: a fifth of where they are alike."""
 SETTLED = 1e-5
 """Relative change of chi2 that ends a search: a hundredth of that of noise."""
 
@@ -86,7 +89,10 @@ def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None =
 
     So many solutions are computed at most.
     """
-    end = descend(trials, start, most)
+    try:
+        end = descend(trials, start, most, ends)
+    except StopIteration:
+        return
     # A new minimum replaces those that it is the better end of.
     near = [fit for fit in ends if fit.distance(end.scaled) < 0.5]  # nearer minima count as one
     if not near or end.chi2 < min(fit.chi2 for fit in near):
@@ -95,16 +101,24 @@ def refine(trials: Trials, ends: list[Minimum], start: Array, most: int | None =
     ends.sort(key=lambda end: end.chi2)
 
 
-def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
-    """Run least squares from a start, with so many solutions at most."""
+def descend(
+    trials: Trials, start: Array, most: int | None = None, known: Sequence[Minimum] = ()
+) -> Minimum:
+    """Run least squares, for so many solutions at most; StopIteration at a known minimum."""
     from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
 
     low, high = trials.bounds
+
+    def jacobian(scaled: Array) -> Array:
+        if any(one.distance(scaled) < ARRIVED for one in known):
+            raise StopIteration
+        return trials.jacobian(scaled)
+
     found = least_squares(
         trials.misfit,
         # Strictly inside, as `least_squares` asks for; unknowns are of order 1.
         np.clip(start, low + 1e-9, high - 1e-9),
-        jac=trials.jacobian,
+        jac=jacobian,
         bounds=(low, high),
         xtol=1e-9,
         ftol=SETTLED,
@@ -131,10 +145,14 @@ def scan(trials: Trials) -> list[Array]:
 
 def _counts(trials: Trials) -> tuple[int, int]:
     """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
-    solved = sum(not is_of_setup(name) for name in trials.unknowns.names)
-    other = len(trials.unknowns.names) - solved
-    count = (1, 32, 96, 144)[min(solved, 3)]
+    other = sum(map(is_of_setup, trials.unknowns.names))
+    count = (1, 32, 96, 144)[min(_acting(trials) - other, 3)]
     return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
+
+
+def _acting(trials: Trials) -> int:
+    """Return the number of unknowns; friction and a pressure that act through f p alone are one."""
+    return len(trials.unknowns.names) - ({"friction", "base_pressure"} <= trials.swept)
 
 
 def _share(trials: Trials) -> int:
@@ -144,7 +162,7 @@ def _share(trials: Trials) -> int:
 
 def _nearby(trials: Trials) -> int:
     """Return the number of points of a scan of surroundings."""
-    return 20 * len(trials.unknowns.names) // _share(trials)
+    return 20 * _acting(trials) // _share(trials)
 
 
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:

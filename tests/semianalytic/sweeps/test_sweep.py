@@ -16,7 +16,7 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.given.finding import find_scene
-from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED, Continuation
 from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
 
@@ -115,6 +115,17 @@ def test_order_and_repetition_of_frictions_do_not_matter():
 def test_most_frictions_are_followed_not_solved_from_scratch():
     swept = sweep(PRELOADED, np.linspace(0.05, 1.0, 60))
     assert swept.from_scratch.sum() <= 12
+
+
+@pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.3, 0.4), (SHOCK, 1.1, 1.45)])
+def test_a_continuation_goes_on_with_one_friction_after_another(start, low, high):
+    """Beyond what is known and between it, on both sides of thresholds."""
+    known = Continuation((), 1e-7)
+    for friction in (low + (high - low) * np.random.default_rng(5).uniform(size=30)).tolist():
+        known = known.extended([replace(start, friction=friction)])
+        known.run()
+        check_one(known.solutions[int(np.searchsorted(known.friction, friction))], 1e-7)
+    assert Counter(known.origin.values())[FROM_SCRATCH] <= 20  # those next to thresholds
 
 
 def test_interpolated_frictions_are_as_good_as_their_estimates_say():
