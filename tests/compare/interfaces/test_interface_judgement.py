@@ -198,14 +198,14 @@ def test_values_that_are_not_finite_are_refused(judged, field, value):
     one = getattr(finest, field).copy()
     one[3, 5] = value
     for spoilt in (every, one):
-        with pytest.raises(DataFileError, match=r"256 nodes holds .* not a finite number"):
+        with pytest.raises(DataFileError, match=r"256 nodes has .* not a finite number"):
             judge_interface(judged.prediction, [replace(finest, **{field: spoilt}), *coarser])
     everywhere = [
         replace(one, **{field: np.full_like(one.slip, value)}) for one in (finest, *coarser)
     ]
     with pytest.raises(DataFileError, match="not a finite number"):
         judge_interface(judged.prediction, everywhere)
-    with pytest.raises(DataFileError, match="the run holds"):
+    with pytest.raises(DataFileError, match="the run has"):
         judge_interface(changed(judged.prediction, **{field: every}), list(judged.case.simulations))
 
 
@@ -251,7 +251,7 @@ def test_rate_and_state_friction_agrees():
     [
         ({}, {"mesh_nodes": 100}, "mesh_nodes must be a multiple of 4 that divides"),
         ({"friction": 0.9}, {}, "between these bodies is ill-posed"),
-        ({"held": 3.0}, {}, "holds the mean slip"),
+        ({"held": 3.0}, {}, "stiffness for the mean slip"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(change, options, words):
