@@ -3,8 +3,7 @@
 from semianalytic import reference as reference
 from semianalytic import regimes as regimes
 from semianalytic.dissimilar.stability import sliding_stability as sliding_stability
-from semianalytic.engine.result import Run as Run
-from semianalytic.engine.scenes.marched import Marched as Marched
+from semianalytic.engine.marched import Marched as Marched
 from semianalytic.inversion.fitted import Fit as Fit
 from semianalytic.inversion.fitting import fit as fit
 from semianalytic.inversion.gauges import Gauge as Gauge

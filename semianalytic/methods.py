@@ -55,7 +55,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
 
     Returns
     -------
-    Solution, PairSolution, LineSolution, GrowingSolution, Marched or Run
+    Solution, PairSolution, LineSolution, GrowingSolution or Marched
         An answer with the methods of `Answer`.
 
     Raises

@@ -16,18 +16,18 @@ __all__ = ["load"]
 
 
 def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
-    """Read an answer that was saved: a march, a run along a line, a simulation or a history.
+    """Read an answer that was saved: a march, a solution, a simulation or a history.
 
     Parameters
     ----------
     path : str or path
         File that `save` wrote, or the folder of a simulation.
     scene : Scene, optional
-        The scene of a run that has functions of Python, which no file can hold.
+        The scene of a march that has functions of Python, which no file can hold.
 
     Returns
     -------
-    Solution, Marched, Run, Simulation, LineSimulation or InterfaceHistory
+    Solution, Marched, Simulation, LineSimulation or InterfaceHistory
         The answer as it was saved; an exact one is solved again.
 
     Raises
@@ -61,9 +61,9 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
         found = "a specimen that was simulated"
         return read_answer(path, SPECIMEN_FORMAT, LineSimulation, found, "simulate it again")
     if kind == "slipfront march":
-        from semianalytic.engine.scenes.marched import Marched
+        from semianalytic.engine.marched import Marched
 
-        return Marched.load(path)
+        return Marched.load(path, scene)
     if kind == "slipfront interface history":
         from semianalytic.results.interface_history import InterfaceHistory
 
@@ -71,8 +71,4 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
     if kind == SOLVED.rpartition(" ")[0]:
         asked = read_answer(path, SOLVED, SavedScene, "a solution that was saved", "solve it again")
         return solve(asked.scene, method="self-similar", **asked.settings)
-    if kind != "run along a line":
-        raise DataFileError(f"{path} holds no answer of slipfront; give a file that `save` wrote.")
-    from semianalytic.engine.result import Run
-
-    return Run.load(path, scene)
+    raise DataFileError(f"{path} holds no answer of slipfront; give a file that `save` wrote.")

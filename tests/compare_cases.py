@@ -8,6 +8,7 @@ import numpy as np
 from fem import Simulation, simulate, with_companions
 from fem.results import EnergyHistory, SlotHistory
 from semianalytic import Tractions
+from semianalytic.results.answer import TOTALS
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.given.named import NAMED_SCENES
 
@@ -92,9 +93,7 @@ def sampled_run(
         slip_after=np.zeros((0, len(x))),
         final_path=path,
         final_work_density=work,
-        totals=Totals(
-            t, *(getattr(solution, name)(t) for name in Totals.__dataclass_fields__ if name != "t")
-        ),
+        totals=Totals(t, *(getattr(solution, name)(t) for name in TOTALS)),
         opened=None,
         slot=SlotHistory(-x[::-1], t, velocity_x[:, ::-1], velocity_y[:, ::-1]),
         energy=EnergyHistory(t, *np.zeros((6, times + 1))),

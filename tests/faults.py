@@ -23,7 +23,7 @@ from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fem.results import load_simulation
 from meshes import Blocks, mesh_of
 from meshes.cache import cache_path
-from semianalytic import Marched, Run, find, solve
+from semianalytic import Marched, find, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.given.named import NAMED_SCENES
@@ -110,7 +110,7 @@ def all_kinds():
         "run": Kind(
             "run.h5",
             lambda folder: run.save(folder / "run.h5"),
-            lambda path: Run.load(path, fault),
+            lambda path: Marched.load(path, fault),
         ),
         "simulation": Kind(
             "simulation.h5", simulation.save, lambda path: load_simulation(path.parent)

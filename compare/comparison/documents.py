@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from compare.comparison.measures import PROBES, SENSE_THRESHOLD, nearest
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime, wave_speeds
 from semianalytic import Scene
+from semianalytic.engine.scenes.nodes import SlotCheckpoint
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
@@ -33,7 +34,7 @@ from semianalytic.scene.kinds import HISTORY_FIELDS
 from semianalytic.scene.units import PARAMETERS, unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches
-    from semianalytic import Marched, Reading, Run, Solution
+    from semianalytic import Marched, Reading, Solution
     from semianalytic.dissimilar_slot.solution import PairSolution
     from semianalytic.results.reading import Measured
 
@@ -99,9 +100,11 @@ POINT_DIMENSIONS: Dimensions = {
 MARCH_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
     "error_estimate": "1",
-    "end_time": "time",
+    "error_estimates": "1",
+    **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
     "largest_slip_rate": "length / time",
-    "largest_slip": "length",
+    **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
+    "slipping": "1",
     "reach_of_slip": "length",
     "reach_of_reverse_slip": "length",
     "onset": {"x": "length", "time": "time"},
@@ -109,13 +112,6 @@ MARCH_DIMENSIONS: Dimensions = {
     "frictional_work": "stress length^2",
     "stress_intensity_of_a_stuck_edge": "stress sqrt(length)",
     "statistics": {"memory_error": "1", "seconds": "s"},
-}
-RUN_DIMENSIONS: Dimensions = {
-    "scene": SCENE_DIMENSIONS,
-    **dict.fromkeys(("end_time", "shortest_step", "longest_step"), "time"),
-    **dict.fromkeys(("largest_slip", "largest_gap"), "length"),
-    "largest_slip_rate": "length / time",
-    "slipping": "1",
 }
 
 
@@ -249,80 +245,79 @@ def _by_mode(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
     return {name: float(np.asarray(value)) for name, value in zip(names, values, strict=True)}
 
 
-def run_document(done: Run) -> dict[str, Any]:
-    """A run along a line as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    on = np.abs(done.interface.slip[-1][done.interface.touching])
-    steps = np.diff(done.step_times)
-    document = {
-        "scene": scene_document(done.scene),
-        "method": done.method,
-        "status": done.status,
-        "nodes": done.nodes,
-        "end_time": done.end_time,
-        "steps": done.steps,
-        "shortest_step": float(steps.min()),
-        "longest_step": float(steps.max()),
-        "frames": len(done.interface.t),
-        "largest_slip": float(on.max()),
-        "largest_slip_rate": float(done.peak_rates.max()),
-        "slipping": float(
-            np.mean(np.abs(done.interface.slip_rate[-1][done.interface.touching]) > 0)
-        ),
-        "largest_gap": float(done.interface.gap[:, done.interface.touching].max()),
-        "error_estimates": dict(done.error_estimates),
-        "caution": done.caution,
-    }
-    document["units"] = units_document(document, RUN_DIMENSIONS, done.scene)
-    return document
-
-
 def march_document(marched: Marched) -> dict[str, Any]:
     """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    scene, seen, x = marched.scene, marched.seen, marched.grid.x
+    scene, seen, known = marched.scene, marched.seen, marched.interface
+    place, on, steps = np.abs(known.x), known.touching, np.diff(marched.totals.t)
     largest = float(seen.slip_rate.max())
-    length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
-    load = scene.superposition.taken_off
-    reached, mode, slowness = marched.end_time, scene.shear_mode, scene.front_slowness
-    histories = scene.pressure_history, scene.shear_history
-    modes: tuple[Mode, Mode] = ("I", mode)
-    intensities = [
-        intensity_history(history, load, scene.material, reached, mode)[number]
-        * (math.nan if scene.front_too_slow else front_share(scene.material, slowness, of))
-        for number, (history, of) in enumerate(zip(histories, modes, strict=True))
-    ]
     document = {
         "scene": scene_document(scene),
-        "method": "space-time",
+        "method": marched.method,
         "status": marched.status,
         "caution": marched.caution,
         "error_estimate": marched.error_estimate,
+        "error_estimates": dict(marched.error_estimates),
         "end_time": marched.end_time,
+        "nodes": marched.nodes,
+        "steps": marched.steps,
+        "shortest_step": float(steps.min()),
+        "longest_step": float(steps.max()),
+        "stored_levels": len(known.t),
         "largest_slip_rate": largest,
         "largest_slip": float(marched.totals.max_slip.max()),
-        "reach_of_slip": float(x[seen.slip_rate > threshold].max(initial=0.0)),
-        "reach_of_reverse_slip": float(x[-seen.reverse > threshold].max(initial=0.0)),
-        "onset": [
-            {
-                "x": float(x[node]),
-                "time": float(seen.onset[node]) if math.isfinite(seen.onset[node]) else None,
-            }
-            for node in (nearest(x, probe * length) for probe in PROBES)
-        ],
+        "largest_gap": float(known.gap[:, on].max()),
+        "slipping": float(np.mean(np.abs(known.slip_rate[-1][on]) > 0)),
+        "reach_of_slip": float(place[seen.slip_rate > threshold].max(initial=0.0)),
+        "reach_of_reverse_slip": float(place[-seen.reverse > threshold].max(initial=0.0)),
         "accumulated_slip": float(marched.accumulated_slip(marched.end_time)),
         "frictional_work": float(marched.frictional_work(marched.end_time)),
+    }
+    if not scene.on_line:
+        document |= _beside_slot(marched)
+    document["units"] = units_document(document, MARCH_DIMENSIONS, scene)
+    return document
+
+
+def _beside_slot(marched: Marched) -> dict[str, Any]:
+    """Return what a march beside a slot says besides: onsets, a stuck edge, and its cost."""
+    scene, onset, x, known = (
+        marched.scene,
+        marched.seen.onset,
+        marched.interface.x,
+        marched.checkpoint,
+    )
+    assert isinstance(known, SlotCheckpoint)
+    length, load = scene.material.shear_speed * marched.end_time, scene.superposition.taken_off
+    histories = scene.pressure_history, scene.shear_history
+    modes: tuple[Mode, Mode] = ("I", scene.shear_mode)
+    intensities = [
+        intensity_history(history, load, scene.material, marched.end_time, scene.shear_mode)[number]
+        * (
+            math.nan
+            if scene.front_too_slow
+            else front_share(scene.material, scene.front_slowness, of)
+        )
+        for number, (history, of) in enumerate(zip(histories, modes, strict=True))
+    ]
+    nodes = [nearest(x, probe * length) for probe in PROBES]
+    times = (float(time) if math.isfinite(time) else None for time in onset[nodes])
+    return {
+        "onset": [
+            {"x": float(x[node]), "time": time} for node, time in zip(nodes, times, strict=True)
+        ],
         # a load that comes along the slot slower than its waves has one that depends on its start
         "stress_intensity_of_a_stuck_edge": {
             name: value for name, value in _by_mode(scene, intensities).items() if value == value
         },
-        "stored_levels": len(marched.interface.t),
         "statistics": {
-            name: getattr(marched.statistics, name)
-            for name in ("nodes", "steps", "poles", "memory_error", "seconds")
+            "nodes": known.grid.size,
+            "steps": known.steps,
+            "poles": len(known.memory.poles),
+            "memory_error": known.memory.error,
+            "seconds": known.seconds,
         },
     }
-    document["units"] = units_document(document, MARCH_DIMENSIONS, scene)
-    return document
 
 
 def edge_state(solution: Solution | PairSolution) -> str:

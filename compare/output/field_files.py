@@ -14,14 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.output.places import write_text
-from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import WholeFields
 from semianalytic.results.derived import strain
 from semianalytic.scene.units import unit
 
 Array = NDArray[np.float64]
-Fields = WholeFields | PairSolution
-"""Answers that hold the fields in both bodies."""
+Fields = Any
+"""Answers that hold the fields in both bodies, and those of the contact."""
 SHOWN = 4.0
 """Pictures reach at most so many times the shear wave speed, or the speed of the outermost edge.
 

@@ -110,9 +110,11 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     check_file_size(path)
     with h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
-        fields = file["interface"] if kind.startswith("run along a line") else file
+        own, fields = kind.startswith("slipfront"), file
+        if kind.startswith("slipfront march") and "motion" in file:  # one along a line
+            own, fields = False, file["interface"]
         sets = {name: field for name, field in fields.items() if isinstance(field, h5py.Dataset)}
-        wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
+        wanted = set() if own else _wanted(path, list(sets), options)
         shapes = [sets[name].shape for name in wanted]
         if not wanted:  # then of all datasets, in groups as well
             file.visititems(lambda _, item: shapes.append(getattr(item, "shape", None)))
@@ -128,7 +130,7 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
         }
     if kind == HISTORY:
         return of_history(path, InterfaceHistory.load(path))
-    if kind.startswith("slipfront march"):
+    if own and kind.startswith("slipfront march"):
         from semianalytic import Marched
 
         return of_history(path, Marched.load(path).interface)

@@ -28,7 +28,7 @@ def main(folder: Path = Path(".")) -> list[float]:
         sf.solve(replace(SCENE, friction=law), method="space-time", nodes=400) for law in LAWS
     ]
     slips = [marched.interface.slip[-1] for marched in marches]
-    x, names = marches[0].grid.x, [type(law).__name__ for law in LAWS]
+    x, names = marches[0].interface.x, [type(law).__name__ for law in LAWS]
     head = ",".join(["x", *names])
     table = np.column_stack([x, *slips])
     np.savetxt(folder / "friction_law.csv", table, delimiter=",", header=head, comments="")

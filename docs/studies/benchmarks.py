@@ -28,7 +28,7 @@ from compare.output.places import write_text
 from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
-from semianalytic import Run, solve
+from semianalytic import Marched, solve
 from semianalytic.scene.given.finding import find_scene
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ LEAST = 1e-6
 """Smallest stated error, and smallest bound of a class where all is exact to rounding."""
 
 
-def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Run:
+def run_of(sheet: Sheet, nodes: int, samples: int = 1) -> Marched:
     """Run the interface of a sheet on so many nodes, with so many samples for each of its times."""
     scene, end = sheet.problem, sheet.end_time
     count = samples * len(sheet.times)
@@ -58,7 +58,7 @@ def sampled(sheet: Sheet, nodes: int) -> Fields:
     """Return a run at the times and stations of a sheet (m, k), and its "arrivals" (k,)."""
     done = run_of(sheet, nodes)
     fields = {name: done.at(getattr(done.interface, name), sheet.stations) for name in sheet.report}
-    onset = np.asarray(done.at(done.onset, sheet.stations))
+    onset = np.asarray(done.at(done.seen.onset, sheet.stations))
     return {"arrivals": np.where(np.isnan(onset), math.inf, onset), **fields}
 
 

@@ -26,7 +26,7 @@ from rich.progress import track
 import semianalytic as sa
 from compare.tasks.workers import run_tasks
 from semianalytic.dissimilar.pair import check_bodies
-from semianalytic.engine.run import Run
+from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
@@ -202,7 +202,7 @@ def recorded(found: Any, x: Array, t: Array) -> Answer:
     return answer
 
 
-def recorded_run(found: Run) -> Answer:
+def recorded_run(found: Marched) -> Answer:
     """Return what a run of an interface says at 40 nodes of as many frames."""
     frame = np.linspace(1, len(found.interface.t) - 1, POINTS).astype(int)
     node = np.linspace(0, len(found.interface.x) - 1, POINTS).astype(int)[
@@ -210,7 +210,8 @@ def recorded_run(found: Run) -> Answer:
     ]
     answer: Answer = {name: bits(getattr(found.interface, name)[frame, node]) for name in FIELDS}
     answer["estimate"] = bits(sorted(found.error_estimates.values()))
-    answer["edges"] = bits(found.onset[node])
+    onset = found.seen.onset[node]
+    answer["edges"] = bits(np.where(np.isfinite(onset), onset, np.nan))
     work = found.work
     return answer | {"status": found.status, "work": bits([work["friction"], work["closing"]])}
 

@@ -5,17 +5,30 @@ All of it is read off the first nodes, by what a crack tip is on a grid (`dissim
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.dissimilar.grid_edge import edge_factors, zone_beside_edge
-from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERROR
+from semianalytic.dissimilar.grid_edge import (
+    MOST_NODES,
+    EdgeReading,
+    edge_factors,
+    read_beside_edge,
+    zone_beside_edge,
+)
+from semianalytic.dissimilar.kernels import pair_of
+from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERROR, LEAST_GAP
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes
 
 Array = NDArray[np.float64]
+
+SMALLEST = 1e-300
+"""Least divisor of a relative error, where nothing slips."""
 
 
 def film_error(first: Array, second: Array, slope: Any, impedance: float) -> Array:
@@ -62,13 +75,34 @@ def hidden_openings(
     return areas, lengths / 2 * np.abs(shear) * left / np.where(closed, pressure, 1.0)
 
 
+def hidden_force(marched: Any) -> float:
+    """Return the force that openings at the edge which no node shows take off slip in a march
+    beside a slot, over that which drives it."""
+    scene, known, spacing = marched.scene, marched.interface, marched.spacing
+    held, load = scene.superposition
+    left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
+    shear, slips = known.shear_traction, known.slip_rate[:, 0] != 0
+    force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
+    driving = spacing * np.abs(shear - held.shear).sum()
+    return float(force.sum() / max(force.sum() + driving, SMALLEST))
+
+
+def film_share(marched: Any) -> float:
+    """Return the error of the slip rate at the edge of a film beside a slot, over all of it."""
+    rates, slope = marched.interface.slip_rate, marched.scene.law.steady_slope()
+    if not slope or marched.nodes == 1:
+        return 0.0
+    wrong = film_error(rates[:, 0], rates[:, 1], slope, marched.scene.impedance)
+    return float(wrong.sum() / max(np.abs(rates).sum(), SMALLEST))
+
+
 class EdgeNodes:
-    """The e first nodes of the contacts of a run beside slots.
+    """The e first nodes of the contacts of a line beside slots.
 
     Parameters
     ----------
-    done : Run
-        The run, on m frames.
+    done : Marched
+        The march along a line, on m frames.
     """
 
     def __init__(self, done: Any) -> None:
@@ -163,3 +197,64 @@ class EdgeNodes:
         scene = self._done.scene
         bodies = (scene.material, scene.lower_material or scene.material)
         return sum((1 - in_plane * body.poisson_ratio) / body.shear_modulus for body in bodies) / 2
+
+
+def read_edge(run: Any, edge: float, frame: int) -> EdgeReading:
+    """Return what `Marched.beside_edge` describes."""
+    known, scene, spacing = run.interface, run.scene, run.scene.period / run.nodes
+    ends = [float(end) for part in scene.contact.intervals for end in part]
+    near = min(ends, key=lambda end: abs(end - edge))
+    if not abs(near - edge) < spacing / 2:
+        raise SceneError(
+            f"edge: no part of the contact begins or ends at x = {edge:g}; ends are "
+            f"{', '.join(f'{end:g}' for end in ends if abs(end) < math.inf) or 'nowhere'}."
+        )
+    side = 1 if ends.index(near) % 2 == 0 else -1
+    inside = np.flatnonzero(known.touching & (side * (known.x - near) > 0))[::side]
+    outside = np.flatnonzero(~known.touching & (side * (known.x - near) < 0))[::-side]
+    inside, outside = (
+        nodes[: min(_unbroken(nodes) // 2, MOST_NODES)] for nodes in (inside, outside)
+    )
+    if min(len(inside), len(outside)) < _LEAST_READ:
+        raise SceneError(
+            f"edge: fewer than {2 * _LEAST_READ} nodes lie between x = {near:g} and the next end "
+            "of the contact; take more nodes."
+        )
+    slip = np.abs(known.slip[frame])
+    if slip[inside[:_LEAST_READ]].max() > LEAST_GAP * slip[outside[0]]:
+        raise SceneError(
+            f"edge: the contact slips next to x = {near:g} at t = {known.t[frame]:g}, so that "
+            "tractions are not those of a stuck edge; read nodal values."
+        )
+    base = sampled("scene: shear", scene.base.shear, known.x, spacing)[inside]
+    pressed = sampled("scene: pressure", scene.base.pressure, known.x, spacing)[inside]
+    shear, gone = (
+        known.shear_traction[frame, inside] - base,
+        pressed - known.pressure[frame, inside],
+    )
+    beta = 0.0
+    if (pair := pair_of(scene)) is not None:
+        beta = pair.sense * pair.kernels.compliance.dundurs
+    # x and shear change sign together where the contact lies on the other side
+    slot = side * known.slip[frame, outside] + 1j * known.gap[frame, outside]
+    distance, traction, depth, motion = read_beside_edge(
+        side * shear + 1j * gone, slot, spacing, beta
+    )
+    return EdgeReading(
+        distance,
+        side * traction.real + base[1:-1],
+        pressed[1:-1] - traction.imag,
+        depth,
+        side * motion.real,
+        motion.imag,
+    )
+
+
+def _unbroken(nodes: NDArray[np.intp]) -> int:
+    """Return how many of the nodes, from the first one on, are neighbours of one another."""
+    breaks = np.flatnonzero(np.abs(np.diff(nodes)) > 1)
+    return int(breaks[0]) + 1 if len(breaks) else len(nodes)
+
+
+_LEAST_READ = 4
+"""Nodes on either side of an edge that must stick, or be free, for its tractions to be read."""

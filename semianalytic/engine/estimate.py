@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.beside_edges import EdgeNodes
-from semianalytic.engine.convergence import NARROW, Tried, order_seen, safety
-from semianalytic.engine.result import Run
+from semianalytic.engine.beside_edges import EdgeNodes, film_share
+from semianalytic.engine.convergence import MEMORY_SAFETY, NARROW, Tried, order_seen, safety
+from semianalytic.engine.marched import Marched
+from semianalytic.engine.resolution import missed_zone, rounded_up
+from semianalytic.engine.scenes.nodes import SlotCheckpoint
+from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import LEAST_GAP, LEAST_ZONE, ZONE_NODES
@@ -24,8 +27,8 @@ Array = NDArray[np.float64]
 
 
 def estimated(
-    done: Run, half: Callable[[Scene], Run], rtol: float | None, coarser: Tried | None
-) -> tuple[Run, Tried | None]:
+    done: Marched, half: Callable[[Scene], Marched], rtol: float | None, coarser: Tried | None
+) -> tuple[Marched, Tried | None]:
     """Return a run with estimates of its error, and how far runs of half the nodes are from it.
 
     There is one, and another whose contacts are shorter where the grid displaces their ends.  The
@@ -33,7 +36,7 @@ def estimated(
 
     Parameters
     ----------
-    done : Run
+    done : Marched
         The run.
     half : function
         Runs an interface on half its nodes, at its frames.
@@ -134,7 +137,7 @@ def _zones(slip: Array, moves: Any) -> list[NDArray[np.intp]]:
     return [row for row, own in zip(rows, sums, strict=True) if own > LEAST_ZONE * max(sums)]
 
 
-def deciding(done: Run, errors: Mapping[str, float]) -> str:
+def deciding(done: Marched, errors: Mapping[str, float]) -> str:
     """Return which error counts, that of slip or that of a gap which is not much smaller."""
     known = done.interface
     slip, gap = (float(np.abs(rows[:, known.touching]).sum()) for rows in (known.slip, known.gap))
@@ -194,4 +197,62 @@ def too_short(scene: Scene, time: float) -> str:
         f"unresolved: the contact ends with the period, at |x| = {end:.3g}, from where waves reach "
         f"x = 0 at t = {end / speed:.3g}; use a `period` of {4 * speed * time:.3g} or more, or end "
         "before that."
+    )
+
+
+def judged(marched: Marched) -> Marched:
+    """Return a march beside a slot with the estimate of its error, and whether it is resolved."""
+    errors = {} if marched.companion is None else {"slip_rate": _slot_error(marched)}
+    marched = replace(marched, error_estimates=errors)
+    found, caution = marched.shortfalls, ""
+    if found:
+        reasons = "; ".join(shortfall.reason for shortfall in found)
+        times = rounded_up(max(shortfall.times for shortfall in found))
+        caution = f"{reasons}; raise `nodes` {times} times, or shorten `length` as much"
+    return replace(marched, caution=caution, status="unresolved" if caution else "resolved")
+
+
+def _slot_error(marched: Marched) -> float:
+    """Return 1.25 times the difference of march and companion, over the slip rate.
+
+    It is less if a higher than the first order was seen.
+    """
+    known = marched.checkpoint
+    assert isinstance(known, SlotCheckpoint)
+    apart = known.departure
+    # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum as
+    # well, and a total one where K_II exceeds f K_I and the grid misses the zone.
+    if apart.slip_rate == 0:
+        return math.inf if apart.difference or missed_zone(marched) is not None else 0.0
+    # Both marches share the error of the memory's transform, which their difference does not show.
+    of_grids = safety(known.order) * apart.share + MEMORY_SAFETY * known.memory.error
+    return of_grids + film_share(marched) + marched._hidden
+
+
+def line_caution(scene: Scene, nodes: int, end_time: float) -> str:
+    """Return what limits the accuracy along a line and can be changed; empty if there is nothing.
+
+    A grid knows ends of contacts midway between its nodes.  It is moved to have them there
+    (`Marched.shift`), and displaces those that lie elsewhere still: the error of slip is then that
+    of a contact which is longer or shorter.
+    """
+    contact, length = scene.contact, scene.period
+    run_through = scene.fastest_speed * end_time
+    if contact.ends_with_period and run_through > length / 4:
+        free = max(length / 2 - run_through, 0.0)
+        return (
+            f"the contact ends with the period, and waves from there have arrived beyond |x| = "
+            f"{free:.3g}; raise `period` to {4 * run_through:.3g}"
+        )
+    misfit = contact.misfit(length, nodes, grid_of(scene, nodes).shift)
+    # Slip of a punch of 102 nodes is off by 0.1 % with ends in their places, by 2, 4 and 12 % with
+    # 0.1, 0.2 and 0.5 of a node distance.
+    if misfit < 0.05:
+        return ""
+    fitting = fitting_nodes(scene, nodes, 1)
+    remedy = f"choose {fitting} nodes"
+    if contact.misfit(length, fitting, grid_of(scene, fitting).shift) > misfit / 2:
+        remedy = "choose a period of which the ends are simple fractions"
+    return (
+        f"an end of a contact lies {misfit:.2g} node distances from where the grid has it; {remedy}"
     )

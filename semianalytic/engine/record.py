@@ -5,21 +5,24 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.motion import MotionRecord
-from semianalytic.engine.result import FIELDS, Run
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.stepping.acting import times_of_loads
-from semianalytic.engine.stepping.state import RunCheckpoint, State
+from semianalytic.engine.stepping.advance import levels_of
+from semianalytic.engine.stepping.state import Extremes, LineCheckpoint, State
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.memory.line_memory import Past
-from semianalytic.results.questions import onsets_until
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 
 Array = NDArray[np.float64]
+
+FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
 
 class RunRecord:
@@ -51,34 +54,43 @@ class RunRecord:
         self.times = None if times is None else list(times)
         self.t: list[float] = []
         self.fields: dict[str, list[Array]] = {name: [] for name in FIELDS}
-        self.step_times: list[float] = []
-        self.peak_rates: list[float] = []
-        self._touching, self._may_open = stepper.touching, stepper.unilateral is not None
+        self._stepper, self._touching = stepper, stepper.touching
+        self._may_open, self._weights = stepper.unilateral is not None, stepper.grid.weights
+        self._summed: list[list[float]] = [[] for _ in range(5)]  # of each of the `Totals`
         self.motion = MotionRecord()
-        self.slipping, self.onset = slipping, np.full(len(stepper.grid.x), np.nan)
+        self.seen = Extremes.none(len(stepper.grid.x), slipping)
 
     def begin(self, now: State) -> None:
         """Record the state at the beginning of the run."""
-        self._count([now.time] * 2, np.array([now.rate] * 2))
+        self._count([now.time] * 2, *levels_of([now] * 2, self._stepper))
         if self.times is None:
             self._write(now.time, self._shown(now))
         else:
             while self.times and self.times[0] <= now.time:
                 self._write(self.times.pop(0), self._shown(now))
 
-    def add(self, times: Sequence[float], rates: Array, look: Callable[[int], State]) -> None:
-        """Record steps: fields if they are due, and times and largest slip rates always.
+    def add(
+        self,
+        times: Sequence[float],
+        rates: Array,
+        slips: Array,
+        works: Array,
+        look: Callable[[int], State],
+    ) -> None:
+        """Record steps: fields if they are due, and totals and extremes always.
 
         Parameters
         ----------
         times : (k + 1,) sequence
             Times of the levels and of the one before them [time].
-        rates : (k + 1, n) array
-            Slip rates at these.
+        rates, slips : (k + 1, n) arrays
+            Slip rates at these, and slip.
+        works : (k + 1, contact) array
+            Work of friction until these [stress length].
         look : function
             Returns the state at one of these levels, given by its place.
         """
-        self._count(times, rates)
+        self._count(times, rates, slips, works)
         opening = [look(level).gap_rate for level in range(len(times)) if self._may_open]
         self.motion.add(times, rates, *([np.array(opening)] if opening else []))
         for level, time in enumerate(times[1:], 1):
@@ -98,13 +110,36 @@ class RunRecord:
         if self.times is None and self.t[-1] != now.time:
             self._write(now.time, self._shown(now))
 
-    def _count(self, times: Sequence[float], rates: Array) -> None:
-        """Note the peaks of slip rates, and when slip begins."""
-        speeds = np.abs(rates[:, self._touching])
-        self.step_times += times[1:]
-        self.peak_rates += speeds[1:].max(axis=1, initial=0.0).tolist()
-        onset, threshold = self.onset[self._touching], np.full(len(times) - 1, self.slipping)
-        self.onset[self._touching] = onsets_until(onset, times, speeds, threshold)
+    def _count(self, times: Sequence[float], rates: Array, slips: Array, works: Array) -> None:
+        """Note totals, extremes of slip rates, and when slip begins."""
+        rates = np.where(self._touching, rates, 0.0)
+        self.seen = self.seen.with_levels(times, rates)
+        slips, weights = slips[:, self._touching], self._weights[self._touching]
+        largest, moved = np.abs(slips[1:]).max(axis=1, initial=0.0), np.abs(np.diff(slips, axis=0))
+        # one by one, so that sums do not depend on how steps come in blocks
+        paths = np.cumsum([*self._summed[2][-1:], *(moved * weights).sum(axis=1)])
+        work, peaks = (works[1:] * weights).sum(axis=1), np.abs(rates[1:]).max(axis=1, initial=0.0)
+        rows = times[1:], largest, paths[-len(moved) :], work, peaks
+        for values, more in zip(self._summed, rows, strict=True):
+            values += np.asarray(more).tolist()
+
+    @property
+    def totals(self) -> Totals:
+        """Totals of the contact at all steps."""
+        return Totals(*map(np.array, self._summed))
+
+    @property
+    def interface(self) -> InterfaceHistory:
+        """The fields that are recorded."""
+        known = {name: np.array(values) for name, values in self.fields.items()}
+        return InterfaceHistory(
+            self._stepper.grid.x, np.array(self.t), mask=self._touching, **known
+        )
+
+    def sum_from(self, earlier: Totals, time: float) -> None:
+        """Continue the totals of an earlier march from a time."""
+        steps = int((earlier.t <= time).sum())
+        self._summed = [vars(earlier)[known.name][:steps].tolist() for known in fields(Totals)]
 
     def _write(self, time: float, shown: Sequence[Array]) -> None:
         self.t.append(time)
@@ -134,36 +169,20 @@ class RunRecord:
         return tuple(shown)
 
 
-class Kept(NamedTuple):
-    """A state of a run, the memories of slip and opening then, and the steps so far."""
-
-    state: State
-    past: Past
-    opening: Past | None
-    steps: int
-
-
-def kept_at(stepper: Stepper, record: RunRecord, now: State) -> Kept:
-    """Return what a run goes on from at a state."""
+def checkpoint_at(stepper: Stepper, record: RunRecord, now: State, latest: float) -> LineCheckpoint:
+    """Return what a march goes on from at a state until a latest time, but for `fingerprint`."""
     opening = None if stepper.unilateral is None else stepper.unilateral.memory.past()
-    return Kept(now, stepper.memory.past(), opening, record.count)
-
-
-def checkpoint(
-    stepper: Stepper, record: RunRecord, kept: Kept, end: State, latest: float
-) -> RunCheckpoint:
-    """Return everything that `resumed` needs to continue a run until a latest time."""
-    return RunCheckpoint(
-        kept.state,
-        end,
-        kept.past,
-        kept.opening,
-        stepper.memory.horizon,
-        fingerprint(stepper, latest),
-        record.every,
-        kept.steps,
-        record.slipping,
-        latest,
+    return LineCheckpoint(
+        state=now,
+        end=now,
+        past=stepper.memory.past(),
+        opening=opening,
+        horizon=stepper.memory.horizon,
+        fingerprint="",
+        every=record.every,
+        count=record.count,
+        seen=record.seen,
+        latest=latest,
     )
 
 
@@ -202,9 +221,11 @@ def fingerprint(stepper: Stepper, latest: float) -> str:
     return digest.hexdigest()
 
 
-def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) -> State:
+def resumed(stepper: Stepper, record: RunRecord, earlier: Marched, end_time: float) -> State:
     """Put the memory and the record of an earlier run in place and return its state."""
     kept = earlier.checkpoint
+    assert isinstance(kept, LineCheckpoint)
+    assert earlier.motion is not None
     if kept.fingerprint != fingerprint(stepper, kept.latest):
         raise DataFileError(
             "run: `go_on` is a run of another interface, grid or step; continue it with its own "
@@ -212,9 +233,9 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
         )
     if kept.end.time >= end_time:
         raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
-    if record.slipping != kept.slipping:
+    if record.seen.slipping != kept.seen.slipping:
         raise SceneError(
-            f"run: slip began beyond {kept.slipping:.6g} in the run that `go_on` "
+            f"run: slip began beyond {kept.seen.slipping:.6g} in the run that `go_on` "
             "continues; leave out `slipping`, or give the same."
         )
     since = kept.state.time
@@ -248,9 +269,7 @@ def resumed(stepper: Stepper, record: RunRecord, earlier: Run, end_time: float) 
             record.fields[name].pop()
     if record.times is not None:
         record.times = sorted({*again, *(time for time in record.times if time > since)})
-    record.onset = np.where(earlier.onset > since, np.nan, earlier.onset)
-    steps = int((earlier.step_times <= since).sum())
-    record.step_times = earlier.step_times[:steps].tolist()
-    record.peak_rates = earlier.peak_rates[:steps].tolist()
+    record.sum_from(earlier.totals, since)
+    record.seen = kept.seen
     record.motion.go_on(earlier.motion, since, record.count)
     return kept.state

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,3 +141,58 @@ def check_weakening_seen(scene: Scene, spacing: float) -> None:
             f"apart do not resolve; raise `nodes` {rounded_up(WEAKENING_NODES * spacing / zone)} "
             "times (docs/limits.md)."
         )
+
+
+def shortfalls_of(marched: Any) -> tuple[Shortfall, ...]:
+    """Return the known reasons why the grid of a march beside a slot is too coarse.
+
+    These are slip at the edge over less than five nodes (which would otherwise look like no slip),
+    slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
+    """
+    every = missed_zone(marched), _coarse_weakening(marched), _inaccurate(marched)
+    return tuple(known for known in every if known is not None)
+
+
+def missed_zone(marched: Any) -> Shortfall | None:
+    """Return a slip zone at the edge that the grid does not resolve, or None."""
+    # Any slip ever seen counts: a zone may have been on the grid and have healed since.
+    slips, spacing = marched.seen.slip_rate > 0, marched.spacing
+    least = ZONE_NODES * spacing
+    # The march's own record is asked first, because it costs nothing.
+    if float(marched.interface.x[slips].max(initial=0.0)) >= least:
+        return None
+    zone = zone_at_edge(marched.scene, marched.end_time)
+    if not 0 < zone < least:
+        return None
+    return Shortfall(
+        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
+        "resolve",
+        least / zone,
+    )
+
+
+def _coarse_weakening(marched: Any) -> Shortfall | None:
+    """Return slip weakening on too few nodes, or None."""
+    zone = process_zone(marched.scene)
+    nodes = zone / marched.spacing
+    if nodes >= WEAKENING_NODES:
+        return None
+    return Shortfall(
+        f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
+        f"{WEAKENING_NODES:g} resolve it",
+        WEAKENING_NODES / nodes,
+    )
+
+
+def _inaccurate(marched: Any) -> Shortfall | None:
+    """Return an error estimate above what was asked for, or None."""
+    estimate, rtol = marched.error_estimate, marched.checkpoint.rtol
+    # 420 random marches were off by at most 0.86 of their estimates, but for one at 0.75 that
+    # missed almost all slip; 0.3 refuses one in forty more, mostly good ones.
+    largest = 0.5 if rtol is None else rtol
+    # nan (no companion) and inf (a missed zone, which has its own sentence) fail both sides.
+    if not largest < estimate < math.inf:
+        return None
+    limit = "" if rtol is None else f", above the `rtol` of {rtol:.1e}"
+    reason = f"the error of the slip rate is estimated as {estimate:.1e}{limit}"
+    return Shortfall(reason, estimate / largest)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import wraps
 from typing import Any
 
@@ -13,13 +14,19 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
 from semianalytic.engine.convergence import more_nodes, order_seen
-from semianalytic.engine.estimate import deciding, estimated, too_short, unresolved
-from semianalytic.engine.record import RunRecord, checkpoint, kept_at, resumed
-from semianalytic.engine.result import LineFields, Run
+from semianalytic.engine.estimate import (
+    deciding,
+    estimated,
+    line_caution,
+    too_short,
+    unresolved,
+)
+from semianalytic.engine.marched import Marched
+from semianalytic.engine.record import RunRecord, checkpoint_at, fingerprint, resumed
 from semianalytic.engine.stepping.advance import stepped
 from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
-from semianalytic.engine.stepping.state import State
+from semianalytic.engine.stepping.state import LineCheckpoint, State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.results.interruption import deferred_interrupt
@@ -48,11 +55,11 @@ def run(
     times: Sequence[float] | None = None,
     slipping: float | None = None,
     estimate: bool = True,
-    go_on: Run | None = None,
+    go_on: Marched | None = None,
     latest: float | None = None,
     progress: Progress | None = None,
     **settings: Any,
-) -> Run:
+) -> Marched:
     """Compute what happens on an interface from t = 0 until an end time.
 
     Steps are as long as friction and convergence allow: shortest in an event, up to a million times
@@ -69,8 +76,8 @@ def run(
         Nodes of one period, a multiple of 4.  By default they are 512, or as many as the histories
         of loads and the narrowest contact or slot need, and up to twice as many, so that ends of
         contacts lie midway between nodes or close to it.  The grid is moved to have them there
-        (`Run.shift`) unless the interface is even; what it displaces still counts as error, and
-        `Run.caution` says it.
+        (`Marched.shift`) unless the interface is even; what it displaces still counts as error, and
+        `Marched.caution` tells it.
     rtol : float, optional
         Wanted relative error of slip and gap; more nodes are taken, as many as the order of
         convergence asks for, until the estimates are below it, up to 16,384.
@@ -83,12 +90,12 @@ def run(
     times : sequence of float, optional
         Times at which fields are stored instead [time].
     slipping : float, optional
-        |slip rate| beyond which slip has begun, for `Run.onset` [length / time].  By default it is
-        0 for laws that stick, and a thousandth of the largest pressure over the impedance for
-        rate-and-state friction, which always slips.
+        |slip rate| beyond which slip has begun [length / time].  By default it is 0 for laws that
+        stick, and a thousandth of the largest pressure over the impedance for rate-and-state
+        friction, which always slips.
     estimate : bool
         Whether to compute the second run, on which the error estimates rest.
-    go_on : Run, optional
+    go_on : Marched, optional
         A run of the same interface to continue.  The result is the same to the last bit as that of
         a run which was not interrupted; after an end time, the last step, which was cut to end
         there, is taken anew.
@@ -102,7 +109,7 @@ def run(
 
     Returns
     -------
-    Run
+    Marched
 
     Raises
     ------
@@ -120,7 +127,7 @@ def run(
     >>> base, everywhere = sf.Tractions(1e6, 0.6e6), sf.Contact()
     >>> fault = sf.Scene(rock, law, base, pushed, contact=everywhere, period=8.0, rate=1e-6)
     >>> slow = sf.solve(fault, end_time=0.5, nodes=32)
-    >>> bool(slow.slip.max() > 2e-6), slow.status
+    >>> bool(slow.max_slip(0.5) > 2e-6), slow.status
     (True, 'done')
     """
     end_time = checked_size("run: end_time", end_time)
@@ -178,8 +185,8 @@ def run(
 
 
 def _half(
-    done: Run, end_time: float, options: dict[str, Any], settings: dict[str, Any]
-) -> Callable[[Scene], Run]:
+    done: Marched, end_time: float, options: dict[str, Any], settings: dict[str, Any]
+) -> Callable[[Scene], Marched]:
     """Return what runs an interface on half the nodes of a run, at its frames."""
     options = {**options, "times": list(done.interface.t), "shift": done.shift}
     return lambda scene: _one(scene, end_time, done.nodes // 2, options, settings, None, None)
@@ -187,7 +194,7 @@ def _half(
 
 @taking_quantities
 @wraps(run)
-def solve(scene: Scene, **settings: Any) -> Run:
+def solve(scene: Scene, **settings: Any) -> Marched:
     """March a scene as `run` does."""
     if "end_time" not in settings:
         raise SceneError("solve: the scene does not say how long it is marched; give end_time.")
@@ -227,15 +234,18 @@ def _one(
     nodes: int,
     options: dict[str, Any],
     settings: dict[str, Any],
-    go_on: Run | None,
+    go_on: Marched | None,
     progress: Progress | None,
     check: bool = False,
-) -> Run:
+) -> Marched:
     """Return a run on one grid, without error estimates.
 
     With `check`, friction between different bodies that this grid cannot follow is refused.
     """
-    latest = options["latest"] if go_on is None else max(go_on.checkpoint.latest, end_time)
+    latest = options["latest"]
+    if go_on is not None:
+        assert isinstance(go_on.checkpoint, LineCheckpoint)
+        latest = max(go_on.checkpoint.latest, end_time)
     ratio, shift = options["step_ratio"], options["shift"]
     stepper = Stepper(scene, nodes, ratio, end_time=latest, shift=shift, **settings)
     if check:
@@ -246,7 +256,7 @@ def _one(
         # Slip under rate-and-state friction has begun: at 26 mm/s for TPV101.
         begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
         begun = 0.0 if stepper.law.has_threshold else begun
-        begun = begun if go_on is None else go_on.checkpoint.slipping
+        begun = begun if go_on is None else go_on.seen.slipping
     record = RunRecord(stepper, options["every"], options["frames"], options["times"], begun)
     if go_on is None:
         now = stepper.begin()
@@ -268,35 +278,32 @@ def _one(
 
     def keep(state: State) -> None:
         nonlocal kept
-        kept = kept_at(stepper, record, state)
+        kept = checkpoint_at(stepper, record, state, latest)
 
     for taken in stepped(stepper, now, stops, asked, keep):
         record.add(*taken)
         now = taken.look(len(taken.times) - 1)
     stopped = stopped and now.time < end_time
     if stopped or kept is None:
-        kept = kept_at(stepper, record, now)
+        kept = checkpoint_at(stepper, record, now, latest)
     record.end(now)
     loaded = record.fields["pressure"] if stepper.unilateral is not None else []
     most = np.maximum.reduce([stepper.pressure, *(load[stepper.touching] for load in loaded)])
     status = too_short(scene, now.time) or unresolved(
-        stepper, most, now.state, max(record.peak_rates), options["histories"]
+        stepper, most, now.state, float(record.totals.peak_rate.max()), options["histories"]
     )
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
-    return Run(
+    return Marched(
         scene=scene,
         nodes=nodes,
-        interface=LineFields(
-            stepper.grid.x,
-            stepper.touching,
-            np.array(record.t),
-            **{name: np.array(values) for name, values in record.fields.items()},
-        ),
-        onset=record.onset,
-        step_times=np.array(record.step_times),
-        peak_rates=np.array(record.peak_rates),
+        interface=record.interface,
+        totals=record.totals,
+        seen=record.seen,
         status=status,
+        caution=line_caution(scene, nodes, now.time) if check else "",
         motion=record.motion.motion(),
-        checkpoint=checkpoint(stepper, record, kept, now, latest),
+        checkpoint=replace(
+            kept, end=now, every=record.every, fingerprint=fingerprint(stepper, latest)
+        ),
     )

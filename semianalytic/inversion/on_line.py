@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.engine.convergence import ERROR_SAFETY
-from semianalytic.engine.result import Run
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
@@ -28,7 +28,7 @@ from semianalytic.inversion.unknowns import (
     is_of_setup,
 )
 from semianalytic.parameters.numbers import Number, numbers_of, spelled
-from semianalytic.results.questions import between
+from semianalytic.results.interface_history import between
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -40,7 +40,7 @@ class RecordedRun:
     """A run of a scene as gauges see it, at any position and time."""
 
     scene: Scene
-    run: Run
+    run: Marched
 
     @property
     def edge_speeds(self) -> Array:

@@ -110,7 +110,7 @@ def descend(
     low, high = trials.bounds
 
     def jacobian(scaled: Array) -> Array:
-        if any(one.distance(scaled) < ARRIVED for one in known):
+        if any(end.distance(scaled) < ARRIVED for end in known):
             raise StopIteration
         return trials.jacobian(scaled)
 

@@ -193,8 +193,8 @@ class Trials:
         With f p alone in play, a change of the base pressure is one of friction.
         """
         given = self.unknowns.scene
-        held, *now = (one.superposition.in_place.pressure or 1.0 for one in (given, *scenes))
-        frictions = [one.coefficient * (p / held) for one, p in zip(scenes, now, strict=True)]
+        held, *now = (near.superposition.in_place.pressure or 1.0 for near in (given, *scenes))
+        frictions = [scene.coefficient * (p / held) for scene, p in zip(scenes, now, strict=True)]
         if "poisson_ratio" in self.swept:
             from semianalytic.sweeps.sweep import sweep  # here, for a quick import
 
@@ -205,7 +205,7 @@ class Trials:
 
         known = self.followed or Continuation((), self.rtol, scaled_load(given)[1])
         # each friction once, for trials of the set-up alone share one
-        laws = [given.law.with_coefficient(one) for one in dict.fromkeys(frictions)]
+        laws = [given.law.with_coefficient(value) for value in dict.fromkeys(frictions)]
         followed = known.extended([replace(given, friction=law) for law in laws])
         followed.run()
         self.followed = followed
@@ -299,7 +299,7 @@ class Trials:
             of, share = name, 1.0
             strength = name in ("friction", "base_pressure") and self._pressure_is_strength
             if strength and scene.coefficient:
-                now, held = (one.superposition.in_place.pressure for one in (scene, solution.scene))
+                now, held = (s.superposition.in_place.pressure for s in (scene, solution.scene))
                 other = scene.coefficient if name == "base_pressure" else now
                 of, share = "friction", other / held  # it was solved under another pressure
             column = share * samples.exact(_derivative(solution, of), setup, t)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any, Protocol, runtime_checkable
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -134,33 +134,6 @@ class Answer(Protocol):
         """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
 
 
-@runtime_checkable
-class BodyFields(Protocol):
-    """The motion and the stress of both bodies.
-
-    Positions and times broadcast; y > 0 is the upper body, y < 0 the lower one, 0.0 and -0.0 are
-    their faces.  `Solution` describes what each method returns.
-    """
-
-    @property
-    def has_bodies(self) -> bool:
-        """Whether the answer knows the fields in the bodies."""
-
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Particle velocity (2, ...), in antiplane shear (3, ...) [length / time]."""
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Stress (3, ...), in antiplane shear (5, ...), tension positive [stress]."""
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Displacement since t = 0 (2, ...), in antiplane shear (3, ...) [length]."""
-
-
-@runtime_checkable
-class WholeFields(Answer, BodyFields, Protocol):
-    """An answer that holds the fields in the bodies as well as those of the contact."""
-
-
 def checked_arrival(of: object) -> str:
     """Return what arrives, one of `ARRIVALS`; raise SceneError for anything else."""
     if of not in ARRIVALS:
@@ -189,9 +162,8 @@ def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
     `Gridded.to_xarray` describes it.
     """
     history = answer.history(x, t)
-    values = {field.name: getattr(history, field.name) for field in fields(history)}
     totals = {name: getattr(answer, name)(history.t) for name in TOTALS}
-    data = dataset(values.pop("x"), values.pop("t"), {**values, **totals}, answer.scene.units)
+    data = dataset(history.x, history.t, {**history.values, **totals}, answer.scene.units)
     data.attrs["title"] = repr(answer)
     return data
 

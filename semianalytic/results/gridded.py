@@ -138,13 +138,7 @@ class Gridded:
             ("accumulated slip over the contact", self.accumulated_slip, "length^2"),
             ("frictional work over the contact", self.frictional_work, "stress length^2"),
         )
-        rows = []
-        for name, total, of in facts:
-            try:
-                value = f"{float(total(end)):.6g}"
-            except SceneError:  # the stored fields do not determine it
-                value = "unknown"
-            rows.append((name, value, unit(of, units)))
+        rows = [(name, f"{float(total(end)):.6g}", unit(of, units)) for name, total, of in facts]
         return html_table(repr(self).strip("<>"), (f"at t = {end:.4g}", "value", "unit"), rows)
 
     def history(self: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
@@ -191,7 +185,7 @@ class AnswerInBodies(Gridded):
 
         @property
         def _bodies(self) -> Any:
-            """The fields in both bodies (`BodyFields`), exact ones with their error."""
+            """The fields in both bodies, exact ones with their error."""
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity anywhere in the bodies [length / time].

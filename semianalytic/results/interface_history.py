@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +13,20 @@ from semianalytic.results.datasets import dataset
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError
 
+Array = NDArray[np.float64]
+
 FORMAT = "slipfront interface history 2"
 
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
 class InterfaceHistory:
-    """The fields of the contact x > 0, sampled at positions x and times t.
+    """The fields of the interface, sampled at positions x and times t.
 
     Attributes
     ----------
     x : (n,) array
-        Positions along the contact [length], increasing.
+        Positions along the interface [length], increasing.
     t : (m,) array
         Times [time], increasing.
     slip, slip_rate : (m, n) arrays
@@ -32,7 +34,13 @@ class InterfaceHistory:
     shear_traction, pressure : (m, n) arrays
         Total tractions, base included [stress], compressive pressure positive.
     gap : (m, n) array
-        Opening of the contact [length], 0 where it is closed.
+        Opening of the contact [length], 0 where it is closed, and the change of their width on
+        slots.
+    mask : (n,) array of bool, optional
+        Whether the bodies touch at these positions; where there is none they touch at all of them.
+    state, felt_pressure : (m, n) arrays, optional
+        State of friction, nan on slots, and the pressure that friction follows [stress], that of
+        the contact unless the law has a delay.
 
     Examples
     --------
@@ -42,13 +50,16 @@ class InterfaceHistory:
     (3, 2)
     """
 
-    x: NDArray[np.float64]
-    t: NDArray[np.float64]
-    slip: NDArray[np.float64]
-    slip_rate: NDArray[np.float64]
-    shear_traction: NDArray[np.float64]
-    pressure: NDArray[np.float64]
-    gap: NDArray[np.float64]
+    x: Array
+    t: Array
+    slip: Array
+    slip_rate: Array
+    shear_traction: Array
+    pressure: Array
+    gap: Array
+    mask: NDArray[np.bool_] | None = field(default=None, kw_only=True)
+    state: Array | None = field(default=None, kw_only=True)
+    felt_pressure: Array | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         shape = (len(self.t), len(self.x))
@@ -66,9 +77,32 @@ class InterfaceHistory:
         return f"<InterfaceHistory: {', '.join(ranges)}>"
 
     @property
-    def rubbing_rate(self) -> NDArray[np.float64]:
+    def touching(self) -> NDArray[np.bool_]:
+        """Whether the bodies touch, (n,)."""
+        return np.ones(len(self.x), dtype=bool) if self.mask is None else self.mask
+
+    def beside(self, x: Any) -> tuple[Any, Any, Array]:
+        """Return the positions of the contact on either side of places, by number, and the share of
+        the way from one to the other."""
+        left, right, along = between(self.x, x)
+        if self.mask is None:
+            return left, right, along
+        # at the end of a contact one of the two is of the slot, and does not count
+        first = self.mask[left] & (along < 1)
+        share = np.where(first & self.mask[right], along, 0.0)
+        return np.where(first, left, right), right, share
+
+    @property
+    def rubbing_rate(self) -> Array:
         """Slip rate where the sides touch, 0 where the contact is open (m, n) [length / time]."""
         return np.where(self.gap > 0, 0.0, self.slip_rate)
+
+    @property
+    def values(self) -> dict[str, Array]:
+        """Fields by name, (m, n) each; those that there are."""
+        named = {known.name: getattr(self, known.name) for known in fields(self)}
+        names = named.keys() - {"x", "t", "mask"}
+        return {name: value for name, value in named.items() if name in names and value is not None}
 
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; the file appears under its name only when it is complete."""
@@ -85,8 +119,7 @@ class InterfaceHistory:
         MissingLibraryError
             If xarray is not installed.
         """
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return dataset(values.pop("x"), values.pop("t"), values)
+        return dataset(self.x, self.t, self.values)
 
     @classmethod
     def load(cls, path: str | Path) -> InterfaceHistory:
@@ -101,3 +134,12 @@ class InterfaceHistory:
 
         instead = "a file written by `slipfront simulate`"
         return read_answer(path, FORMAT, cls, instead, "simulate again")
+
+
+def between(samples: Array, at: Array) -> tuple[Any, Any, Array]:
+    """Return the samples on either side, and the fraction of the way from one to the other."""
+    after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
+    before = np.maximum(after - 1, 0)
+    width = samples[after] - samples[before]
+    share = (at - samples[before]) / np.where(width > 0, width, 1.0)
+    return before, after, np.clip(share, 0.0, 1.0)

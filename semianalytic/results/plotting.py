@@ -166,9 +166,9 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
     """Draw the slip rate over x and t, and wave fronts from the edge or from where slip begins."""
     x, t, rate = history.x, history.t, history.slip_rate
     origins, begin = [(0.0, 1)], 0.0
-    if (touching := getattr(history, "touching", None)) is not None:
-        x, rate = x[touching], rate[:, touching]
-        onset = np.where(np.isfinite(answer.onset[touching]), answer.onset[touching], np.inf)
+    if answer.scene.on_line:
+        touching = history.touching
+        x, rate, onset = x[touching], rate[:, touching], answer.seen.onset[touching]
         begin = float(onset.min(initial=np.inf))
         first = x[onset <= begin * (1 + 1e-9)]
         # waves run from either end of what slips first to its own side, else to the other
@@ -231,7 +231,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     """Draw slip rate, and tractions on a second axis, over x at a time; return limits for later."""
     scene: Any = answer.scene
     known: Any = getattr(answer, "interface", None)
-    nodes, touching = getattr(known, "x", None), getattr(known, "touching", None)
+    nodes = getattr(known, "x", None)
     waves = _waves(answer)
     reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]
     if nodes is None and scene.front_slowness > 0:  # a load whose front runs over the contact
@@ -243,7 +243,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     start = -reach if spreads else 0.0
     if limits is not None:
         start, reach = limits[0]
-    x = np.linspace(start, reach, _POINTS + 1)[1:] if touching is None else known.x[touching]
+    x = known.x[known.touching] if scene.on_line else np.linspace(start, reach, _POINTS + 1)[1:]
     panels = np.atleast_1d(axes)
     upper = panels[0]
     rate = answer.slip_rate(x, end)
@@ -287,7 +287,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     labels = []
     for name, speed in waves.items():
         for place in (speed * end, -speed * end):
-            if start <= place < reach and touching is None:
+            if start <= place < reach and not scene.on_line:
                 labels.append((place * length[0], 1.0, name))
                 for panel in panels:
                     panel.axvline(place * length[0], color="0.7", lw=0.8)

@@ -116,8 +116,12 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
                 )
             values[name] = scene_from_document(value) if kind is Scene else value
         elif name in group and not hasattr(group[name], "shape"):
-            (part,) = (
-                part for part in (kind, *get_args(kind)) if hasattr(part, "__dataclass_fields__")
+            held = {*group[name], *group[name].attrs}
+            (part,) = (  # the one of several classes that has such fields
+                part
+                for part in (kind, *get_args(kind))
+                if hasattr(part, "__dataclass_fields__")
+                and held <= {known.name for known in fields(part)}
             )
             # a companion is of the same scene
             given = {named.name: known[named.name] for named in fields(part) if named.name in known}

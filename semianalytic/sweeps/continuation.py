@@ -93,7 +93,7 @@ class Continuation:
         """Return a continuation through these scenes too, which those that are known help."""
         every = {scene.coefficient: scene for scene in (*scenes, *self.scenes)}
         places = {friction: i for i, friction in enumerate(sorted(every))}
-        longer = Continuation([every[one] for one in places], self.rtol, self.unit)
+        longer = Continuation([every[place] for place in places], self.rtol, self.unit)
         for name in ("solutions", "origin", "zones"):
             for i, known in getattr(self, name).items():
                 getattr(longer, name)[places[self.scenes[i].coefficient]] = known

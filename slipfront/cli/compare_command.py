@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from compare.comparison.comparing import compare
-from compare.comparison.documents import json_text, run_document
+from compare.comparison.documents import json_text, march_document
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
 from compare.comparison.report import (
@@ -250,7 +250,7 @@ def _compare_line(
         for simulation in case.simulations
     ]
     comparison = {**judged_document(judgement), "until": case.until, "meshes": meshes}
-    document = {**run_document(done), "status": judgement.verdict, "comparison": comparison}
+    document = {**march_document(done), "status": judgement.verdict, "comparison": comparison}
     files = [] if output is None else [output / REPORT, output / PAGE]
     if output is not None:
         write_text(output / REPORT, json_text(document))

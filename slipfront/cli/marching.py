@@ -12,9 +12,9 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from compare.comparison.documents import march_document, run_document
+from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
-from semianalytic import Marched, Run, Scene, solve
+from semianalytic import Marched, Scene, solve
 from semianalytic.results.files import write_bytes
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
@@ -73,7 +73,7 @@ def march_command(
 
         saved: Any = None
         if earlier is not None:
-            saved = (Run if scene.on_line else Marched).load(earlier)
+            saved = Marched.load(earlier)
             if scene.on_line and scene.period == math.inf:
                 scene = replace(scene, period=saved.scene.period)
             if saved.scene != scene:
@@ -82,13 +82,13 @@ def march_command(
             if given := [name for name in options if name not in kept]:
                 raise without_effect(given[0], "go_on")
             options["go_on"] = saved
-        every = options.get("every", 1) if saved is None else getattr(saved, "every", 1)
+        every = options.get("every", 1) if saved is None else saved.checkpoint.every
         if end_time is not None:
             options["end_time"] = end_time
         if "memory" in options:
             options["memory"] = in_bytes(options["memory"])
         if options.pop("no_estimate", False):
-            options["estimate" if scene.on_line else "companion"] = False
+            options["estimate"] = False
         done: Any = solve(scene, method="space-time", progress=progress, **options)
     if netcdf:
         # In memory first, for HDF5 files are spoiled if the disk becomes full.
@@ -101,27 +101,22 @@ def march_command(
         if save is not None:
             notes.print(f"{save} holds the march until t = {done.end_time:.6g}.", highlight=False)
         raise typer.Exit(INTERRUPTED)
-    if getattr(done, "every", 1) > every and not quiet:
+    if done.checkpoint.every > every and not done.scene.on_line and not quiet:
         notes.print(
-            f"Every {done.every}th level is stored: more would not fit into the memory.",
+            f"Every {done.checkpoint.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
-    on_line = done.scene.on_line
-    document = (run_document if on_line else march_document)(done)
-    table = (terminal.run_table if on_line else terminal.march_table)(done, label)
+    document, table = march_document(done), terminal.march_table(done, label)
     files = {"Saved": save, "Drawn": plot}
     show_answer(done, document, [table], points, files, draw, as_json=as_json)
     check_marched(done, label)
 
 
-def shares_of(scene: Scene, show: Callable[[int, int], object]) -> Callable[[float, float], None]:
+def shares_of(scene: Scene, show: Callable[[int, int], object]) -> Callable[[float, float], object]:
     """Return what shows the progress of a march: its steps, or its times along a line."""
-
-    def progress(done: float, whole: float) -> None:
-        part = (int(_SHARES * done / whole), _SHARES) if scene.on_line else (done, whole)
-        show(*map(int, part))
-
-    return progress
+    if not scene.on_line:
+        return lambda done, steps: show(int(done), int(steps))
+    return lambda time, end: show(int(_SHARES * time / end), _SHARES)
 
 
 def check_marched(marched: Any, label: str) -> None:
@@ -131,7 +126,9 @@ def check_marched(marched: Any, label: str) -> None:
             raise ComputationError(f"{label} is {marched.status}")
         return
     why = in_options(marched.caution, MARCH_OPTIONS)
-    if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
+    if marched.checkpoint.rtol is not None and not (
+        marched.error_estimate <= marched.checkpoint.rtol
+    ):
         raise ComputationError(f"{label} is not within --rtol: {why}.")
     if marched.status == "resolved":
         return

@@ -17,7 +17,6 @@ from compare.comparison.documents import (
     envelope,
     json_text,
     march_document,
-    run_document,
     solution_document,
 )
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
@@ -39,7 +38,7 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from compare.comparison.mesh_choice import MeshChoice
     from compare.validation.validation import Validation
     from fem import Simulation
-    from semianalytic import Marched, Run
+    from semianalytic import Marched
 
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
@@ -173,57 +172,31 @@ def end_table(answer: Any, end_time: float) -> PrintedTable:
 def march_table(marched: Marched, title: str) -> PrintedTable:
     """Return a table of the content of `documents.march_document`, in the units of the scene."""
     scene, document = marched.scene, march_document(marched)
-    statistics, units = document["statistics"], document["units"]
+    units = document["units"]
     table = PrintedTable("quantity", "value", "unit", title=title)
-    for name, value, dimension in _tractions(scene):
+    for name, value, dimension in () if scene.on_line else _tractions(scene):
         table.add_row(name, value, unit(dimension, scene.units))
-    for onset in document["onset"]:
+    for onset in document.get("onset", ()):
         never = f"not until {marched.end_time:.6g}"
         time = never if onset["time"] is None else f"{onset['time']:.6g}"
         place = _measure(onset["x"], "length", scene)
         table.add_row(f"slip starts at x = {place}", time, units["onset"]["time"])
-    for mode, value in document["stress_intensity_of_a_stuck_edge"].items():
+    for mode, value in document.get("stress_intensity_of_a_stuck_edge", {}).items():
         intensity = units["stress_intensity_of_a_stuck_edge"]
         table.add_row(f"{mode} of a stuck edge", f"{value:.6g}", intensity)
     for name, value in document.items():
         if isinstance(value, str) and value:
             table.add_row(name.replace("_", " "), in_options(value, MARCH_OPTIONS))
-        elif name == "error_estimate":
-            table.add_row(_label(name), f"{value:.1e}", "relative")
-        elif isinstance(value, (float, int)):
+        elif isinstance(value, (float, int)) and name != "error_estimate":
             table.add_row(_label(name), f"{value:.6g}", units.get(name, ""))
-    seconds = sum(statistics["seconds"].values())
-    table.add_row(
-        "cost",
-        f"{statistics['steps']} steps of {statistics['nodes']} nodes, {statistics['poles']} "
-        f"poles (error {statistics['memory_error']:.0e}), {seconds:.2g} s",
-    )
-    return table
-
-
-def run_table(done: Run, title: str) -> PrintedTable:
-    """Return a table of the content of `documents.run_document`, in the units of the scene."""
-    shown = run_document(done)
-    units, table = shown["units"], PrintedTable("quantity", "value", "unit", title=title)
-    table.add_row("until", f"t = {done.end_time:.6g}", units["end_time"])
-    table.add_row("nodes, frames", f"{done.nodes}, {len(done.interface.t)}")
-    table.add_row(
-        "steps",
-        f"{done.steps}, of {shown['shortest_step']:.3g} to {shown['longest_step']:.3g}",
-        units["end_time"],
-    )
-    table.add_row("largest slip", f"{shown['largest_slip']:.6g}", units["largest_slip"])
-    table.add_row(
-        "largest slip rate", f"{shown['largest_slip_rate']:.6g}", units["largest_slip_rate"]
-    )
-    table.add_row("slipping at the end", f"{100 * shown['slipping']:.3g} %", "of the contact")
-    if done.scene.may_open:
-        table.add_row("largest gap", f"{shown['largest_gap']:.6g}", units["largest_gap"])
-    for quantity, error in done.error_estimates.items():
+    for quantity, error in document["error_estimates"].items():
         table.add_row(f"error of {quantity.replace('_', ' ')}", f"{error:.1e}", "relative")
-    table.add_row("status", done.status)
-    if done.caution:
-        table.add_row("caution", done.caution)
+    if cost := document.get("statistics"):
+        table.add_row(
+            "cost",
+            f"{cost['steps']} steps of {cost['nodes']} nodes, {cost['poles']} poles (error "
+            f"{cost['memory_error']:.0e}), {sum(cost['seconds'].values()):.2g} s",
+        )
     return table
 
 

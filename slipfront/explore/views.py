@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
 from semianalytic import Marched, Scene
-from semianalytic.results.answer import WholeFields
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 Array = NDArray[np.float64]
@@ -199,7 +198,7 @@ class FieldView:
     parts: list[tuple[str, float, float]]
 
 
-def field_view(fields: WholeFields, points: int, share: float = 1.0, of: str = SPEED) -> FieldView:
+def field_view(fields: Any, points: int, share: float = 1.0, of: str = SPEED) -> FieldView:
     """Return speed or displacement on points x points square cells around the contact edge."""
     scene, end = fields.scene, end_time(fields.scene)
     time, length = share * end, scene.material.shear_speed * end

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen, solve
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.results.answer import Answer
-from semianalytic.scene.errors import SlipfrontError
+from semianalytic.results.intervals import front_speeds
+from semianalytic.scene.errors import SceneError, SlipfrontError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.contact_edge import at_contact_edge
@@ -23,7 +24,6 @@ from semianalytic.sweeps.sweep import sweep
 from slipfront.surveys.parameters import Array
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
-from slipfront.surveys.runs import line_row
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
@@ -51,21 +51,17 @@ def solved_chunk(
     count = len(next(iter(values.values())))
     rows: list[Values] = [{} for _ in range(count)]
     scenes: dict[int, Scene] = {}
-    pairs: dict[int, Scene] = {}
+    others: dict[int, Scene] = {}
     for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
         given = {**fixed, **dict(zip(values, numbers, strict=True))}
-        start = process_time()
         try:
             problem = with_numbers(scene, given)
-            if problem.on_line:
-                rows[i] = line_row(problem, question)
-                rows[i]["seconds"] = process_time() - start
-            else:
-                (scenes if problem.lower_material is None else pairs)[i] = problem
+            swept = problem.lower_material is None and not problem.on_line
+            (scenes if swept else others)[i] = problem
         except SlipfrontError as error:
             rows[i] = _refused(error)
-    for i, pair in pairs.items():
-        rows[i] = _alone(pair, question)
+    for i, other in others.items():
+        rows[i] = _alone(other, question)
     for group in _groups(scenes, values):
         for places, found in _answered([(i, scenes[i]) for i in group], question):
             for i, row in zip(places, found, strict=True):
@@ -132,8 +128,7 @@ def _alone(scene: Scene, question: Question) -> Values:
     try:
         options: dict[str, Any] = {"rtol": question.rtol or DEFAULT_RTOL}
         if chosen(scene).name == MARCHED:
-            names = ("end_time", "nodes", "length", "rtol")
-            options = {name: getattr(question, name) for name in names}
+            options = _march_options(scene, question)
         answer: Any = solve(scene, **options)
         if answer.method == MARCHED:
             row = _of_march(answer, question)
@@ -180,22 +175,53 @@ def _of_solution(
     return row | _fields(solution, question)
 
 
+def _march_options(scene: Scene, question: Question) -> dict[str, Any]:
+    """Return the settings with which a scene is marched."""
+    names = ("end_time", "nodes", "rtol", "length")
+    options: dict[str, Any] = {**scene.run}
+    options |= {name: known for name in names if (known := getattr(question, name)) is not None}
+    if scene.on_line and question.t:
+        options = {"end_time": max(question.t), **options, "times": question.t}
+    if scene.on_line and "end_time" not in options:
+        raise SceneError("survey: end_time is missing; say until when the scene is marched.")
+    return options
+
+
 def _of_march(marched: Marched, question: Question) -> Values:
-    seen, end = marched.seen, marched.end_time
-    slipped = np.isfinite(seen.onset)
-    return {
+    seen, end, scene = marched.seen, marched.end_time, marched.scene
+    slipped, known = np.isfinite(seen.onset), marched.interface
+    row: Values = {
         "end_time": end,
         "largest_slip_rate": float(seen.slip_rate.max()),
         "largest_slip": float(marched.totals.max_slip.max()),
         "onset": float(seen.onset.min()) if slipped.any() else np.nan,
-        "reach_of_slip": float(marched.grid.x[slipped].max(initial=0.0)),
+        "reach_of_slip": float(np.abs(known.x[slipped]).max(initial=0.0)),
         **_totals(marched, end),
         "error_estimate": marched.error_estimate,
         "status": marched.caution or marched.status,
         "origin": "marched",
         "method": MARCHED,
-        **_fields(marched, question),
     }
+    if not scene.on_line:
+        return row | _fields(marched, question)
+    row |= {
+        "time_of_largest_slip_rate": float(marched.totals.t[marched.totals.peak_rate.argmax()]),
+        "rupture_speed": marched.rupture_speed,
+        "slipped_length": marched.slipped_length,
+        "frictional_work": marched.work["friction"],
+        "error_estimate": marched.error_estimates["slip"],
+        "slip_rate_error": marched.error_estimates["slip_rate"],
+        "status": marched.status,
+    }
+    if scene.may_open:
+        row["largest_gap"] = float(known.gap[:, known.touching].max(initial=0.0))
+    if question.x:
+        x, onset = np.array(question.x), np.where(slipped, seen.onset, np.nan)
+        row["arrival"] = marched.at(onset, x)
+        row["front_speed"] = marched.at(front_speeds(onset, marched.spacing), x)
+        names = question.fields if question.t else ()
+        row |= {name: marched.at(getattr(known, name), x) for name in names}
+    return row
 
 
 def _totals(answer: Answer | PairSolution, end: float) -> Values:

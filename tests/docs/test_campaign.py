@@ -43,7 +43,7 @@ def test_errors_of_random_marches_are_within_their_estimates(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_marches_of_random_histories_keep_the_law(seed):
-    settings = {"end_time": 1.0, "nodes": 200, "method": "space-time", "companion": False}
+    settings = {"end_time": 1.0, "nodes": 200, "method": "space-time", "estimate": False}
     marched = []
     for index in range(5):
         scene, _ = drawn(seed, index, random_history_scene)

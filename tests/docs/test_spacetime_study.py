@@ -35,9 +35,9 @@ def slip_of_a_ramp(rise_time, nodes=400):
         nodes=nodes,
         length=length,
         every=10**9,
-        companion=False,
+        estimate=False,
     )
-    x = marched.grid.x
+    x = marched.interface.x
     return relative_error(marched.interface.slip[-1], static.slip(x), x, 1)
 
 
@@ -61,10 +61,10 @@ def test_friction_work_peaks_at_intermediate_friction():
             nodes=150,
             length=2.0,
             every=10**9,
-            companion=False,
+            estimate=False,
         )
-        slips.append(marched.final_path.sum() * marched.grid.spacing)
-        works.append(marched.final_work_density.sum() * marched.grid.spacing)
+        slips.append(marched.final_path.sum() * marched.spacing)
+        works.append(marched.final_work_density.sum() * marched.spacing)
     assert works[0] == 0
     assert slips == sorted(slips, reverse=True)
     assert works.index(max(works)) == 2

@@ -108,7 +108,7 @@ def test_slip_weakening_agrees_with_a_march():
         simulate(scene, resolution=64).interface,
         sf.solve(scene, method="space-time", nodes=320),
     )
-    x = seen.x[seen.x < marched.grid.x[-1]]
+    x = seen.x[seen.x < marched.interface.x[-1]]
     assert l1(seen.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
 
 

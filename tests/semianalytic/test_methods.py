@@ -29,7 +29,7 @@ KINDS = {
     "whole-line-patch": ("self-similar", LineSolution),
     "growing-load": ("self-similar", GrowingSolution),
     "ramp": ("space-time", sf.Marched),
-    "punch": ("space-time", sf.Run),
+    "punch": ("space-time", sf.Marched),
 }
 """A name for each row of the table, the method that answers, and the class of the answer."""
 BRIEFLY = {"ramp": {"nodes": 64}, "punch": {"nodes": 256, "end_time": 0.5, "estimate": False}}
@@ -94,7 +94,7 @@ def test_settings_of_a_march_in_a_scene_leave_its_method_alone():
     given = {"end_time": 0.25, "nodes": 64, "frames": 10}
     exact, marched = (sf.solve(replace(sf.find(name), run=given)) for name in ("preloaded", "ramp"))
     assert exact.zones == sf.solve("preloaded").zones
-    assert (marched.end_time, marched.grid.observed) == (0.25, 64)
+    assert (marched.end_time, marched.nodes) == (0.25, 64)
     with pytest.raises(sf.SceneError, match=r"unknown key run\.node; did you mean nodes"):
         replace(sf.find("ramp"), run={"node": 64})
 

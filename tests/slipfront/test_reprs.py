@@ -34,7 +34,7 @@ def validated():
             "<InterfaceHistory: 20 times from 0.1 to 1, 2 pos",
         ),
         (lambda: sf.solve(PRELOADED, method="space-time", nodes=32), "<Marched: to t = 1 in "),
-        (lambda: punched(), r"64 nodes, .* frames; unresolved, error of slip 1"),
+        (lambda: punched(), r"64 nodes, .* levels; unresolved, error estimate 1"),
         (lambda: punched(estimate=False), "done, no error estimate>"),
         (lambda: prepare(PRELOADED, resolution=8), "<Model: antisymmetric half, 1,380 unknowns"),
         (lambda: sf.simulate(PRELOADED, resolution=8), "Simulation.antisymmetric half, 1,380"),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,8 @@ from compare.comparison.fields.pairs import Pair, frame_pairs, norms_of
 from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.results.answer import Answer, BodyFields
+from semianalytic.results.answer import Answer
+from semianalytic.results.gridded import AnswerInBodies
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -104,18 +105,18 @@ def field_errors(
     scene, size = simulation.scene, simulation.element_size
     # a march follows a load whose front moves over a part of the slot only
     part = bool(scene.front_slowness) and getattr(prediction, "method", "") == "space-time"
-    if part or not isinstance(prediction, BodyFields) or not prediction.has_bodies:
+    if part or not getattr(prediction, "has_bodies", False):
         return None
     widest = BAND * COARSEST * size / scene.material.shear_speed
     fronts = fronts_in(prediction, scene, shortest=widest)
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
-    mesh = None
+    mesh, fields = None, cast(AnswerInBodies, prediction)
     for number, entry in enumerate(listed, start=1):
         frame = read_frame(*entry, mesh)
         mesh, frame = frame.mesh, _undisturbed(simulation, frame, size)
         most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
-        pairs = frame_pairs(prediction, frame, most)
+        pairs = frame_pairs(fields, frame, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
         if progress is not None:
             progress(number, len(listed))
@@ -127,7 +128,7 @@ def field_errors(
     width = BAND * max(cell for cell, _ in meshes)
 
     def predict(coarser: Frame) -> dict[str, Pair]:
-        return frame_pairs(prediction, coarser, SEEN_LAST)
+        return frame_pairs(fields, coarser, SEEN_LAST)
 
     changes = field_changes(pairs, [mesh for _, mesh in meshes], fronts, width, predict)
     return FieldErrors(size, tuple(frames), pairs, changes)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
 from compare.output.field_files import resolved
-from semianalytic.results.answer import BodyFields
+from semianalytic.results.gridded import AnswerInBodies
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -42,8 +42,8 @@ class Pair:
     predicted: Array
 
 
-def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
-    """Return all components of a frame with the prediction there, by name.
+def frame_pairs(fields: AnswerInBodies, frame: Frame, most: int) -> dict[str, Pair]:
+    """Return all components of a frame beside the prediction there, by name.
 
     Velocity is compared at so many nodes at most, over the whole mesh, displacement and stress at
     `SAMPLED` nodes and elements at most.  A mesh made for snapshots is so large that nothing comes

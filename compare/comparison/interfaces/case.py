@@ -34,11 +34,10 @@ from compare.comparison.quantities.own_rows import (
 from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from fem.march import RATE_WINDOW
-from semianalytic import Run
-from semianalytic.engine.result import LineFields
+from semianalytic import Marched
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
-from semianalytic.results.answer import SlipInterval
+from semianalytic.results.answer import FIELDS, SlipInterval
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import slip_intervals
@@ -125,7 +124,7 @@ class LineCase(Case):
     def _beside_slots(self, x: Array, width: float) -> Mask:
         """Return which positions, (n,), are within a width of a slot of the periodic line, in the
         run or on a mesh."""
-        answers: tuple[LineFields | LineSimulation, ...] = (self.run.interface, *self.simulations)
+        answers: tuple[Any, ...] = (self.run.interface, *self.simulations)
         slots, period = [answer.x[~answer.touching] for answer in answers], self.run.scene.period
         if self.run.scene.even:
             slots.append(-slots[0])
@@ -332,7 +331,7 @@ class LineCase(Case):
 
 
 def line_case(
-    done: Run, simulations: Sequence[LineSimulation], kind: type[LineCase] = LineCase
+    done: Marched, simulations: Sequence[LineSimulation], kind: type[LineCase] = LineCase
 ) -> LineCase:
     """Return the case of a run and of simulations on meshes of h, 2h and 4h; see
     `judge_interface`."""
@@ -345,24 +344,24 @@ def line_case(
         refuse_unfinite(whose, run.x, run.window[:, 1], {"slip": run.window_slip[:, 1]})
         still = {name: np.nan_to_num(done.at(values, run.x)) for name, values in base.items()}
         fields = {name: values - still[name] for name, values in fields_of(run, UNITS).items()}
-        changes = InterfaceHistory(x=run.x, t=run.t, **fields)
+        changes = InterfaceHistory(run.x, run.t, *[fields[name] for name in FIELDS])
         mesh = LineMesh(run, changes, run.nodes, float(run.x[1] - run.x[0]), mesh)
     both: tuple[Any, Any] = done, mesh
     coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
     return kind(*both, predicted_changes(done, simulations[0].x), coarse)
 
 
-def predicted_changes(done: Run, x: Array) -> InterfaceHistory:
+def predicted_changes(done: Marched, x: Array) -> InterfaceHistory:
     """Return the fields of a run at positions (n,) of the whole period; of tractions, the changes.
 
     They are 0 on slots.
     """
     base, fields = _in_place(done), fields_of(done.interface, UNITS)
     moved = {name: np.nan_to_num(done.at(fields[name] - base[name], x)) for name in UNITS}
-    return InterfaceHistory(x=x, t=done.interface.t, **moved)
+    return InterfaceHistory(x, done.interface.t, *(moved[name] for name in FIELDS))
 
 
-def _in_place(done: Run) -> dict[str, Array]:
+def _in_place(done: Marched) -> dict[str, Array]:
     """Return what fields are at the nodes of a run before anything moves, by name."""
     face, spacing = done.scene, done.scene.period / done.nodes
     base = dict.fromkeys(UNITS, np.zeros_like(done.interface.x))

@@ -14,7 +14,7 @@ from compare.comparison.judgement import Judgement
 from compare.comparison.mesh_choice import QUIETING
 from fem.lines import Line, LineSimulation, simulate_line
 from fem.lines.march import DAMPING, planned_work, sample_times
-from semianalytic import Run, Scene, solve
+from semianalytic import Marched, Scene, solve
 from semianalytic.engine.stepping.acting import ActingLoads
 from semianalytic.engine.stepping.fronts import acting_loads
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of, with_period
@@ -39,7 +39,7 @@ contacts that still fit: twice for three meshes, and twice more where the finest
 the nodes of the run, as of `two-slots`."""
 
 
-def judge_interface(done: Run, simulations: Sequence[LineSimulation]) -> Judgement:
+def judge_interface(done: Marched, simulations: Sequence[LineSimulation]) -> Judgement:
     """Judge a run by simulations of the same interface on meshes of h, 2h and 4h.
 
     The run has a companion, and times of the simulations; its nodes are a multiple of theirs.

@@ -56,7 +56,7 @@ def profile(case: str, quantity: str, known: Array, found: Array) -> Row:
 
 
 def profiles(
-    case: str, answer: sf.Solution, done: sf.Run, *fields: str, least: float, most: float
+    case: str, answer: sf.Solution, done: sf.Marched, *fields: str, least: float, most: float
 ) -> Iterator[Row]:
     """Yield rows of fields of a run at its end, against a solution at unit time between places."""
     near = (done.interface.x > least) & (done.interface.x < most)
@@ -65,7 +65,7 @@ def profiles(
         yield profile(case, field.replace("_", " "), known, getattr(done.interface, field)[0][near])
 
 
-def ended(fault: sf.Scene, nodes: int, end: float = 1.0) -> sf.Run:
+def ended(fault: sf.Scene, nodes: int, end: float = 1.0) -> sf.Marched:
     """Run an interface and keep its end alone."""
     return sf.solve(fault, end_time=end, nodes=nodes, times=[end], estimate=False)
 

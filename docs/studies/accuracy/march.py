@@ -69,7 +69,7 @@ def accuracy(name: str, grids: Sequence[int]) -> list[Row]:
 
 def step_error(scene: sf.Scene, marched: sf.Marched) -> float:
     """Return the relative L1 error of the final slip rate on 0.02 < x/(c_t t) < 1.9."""
-    x, end = marched.grid.x, marched.end_time
+    x, end = marched.interface.x, marched.end_time
     velocity = x / (end * scene.material.shear_speed)
     seen = (velocity > 0.02) & (velocity < 1.9)
     exact = _exact(scene).slip_rate(x[seen], end)
@@ -83,7 +83,7 @@ def _exact(scene: sf.Scene) -> sf.Solution:
 
 def last_march(scene: sf.Scene, nodes: int, **options: float) -> sf.Marched:
     """March a scene and keep only the last level; like all marches here, it has no companion."""
-    given: Row = {"length": 2.0, "every": 10**9, "companion": False, **options}
+    given: Row = {"length": 2.0, "every": 10**9, "estimate": False, **options}
     return sf.solve(scene, method="space-time", nodes=nodes, **given)
 
 
@@ -147,7 +147,7 @@ def judged(name: str, marched: sf.Marched, truth: Answer) -> list[Row]:
 def reference(scene: sf.Scene, end: float, nodes: int, length: float | None = None) -> sf.Marched:
     """Return a march without a companion, which would only estimate its error."""
     options: Row = {"method": "space-time", "nodes": nodes, "length": length}
-    return sf.solve(scene, end_time=end, companion=False, **options)
+    return sf.solve(scene, end_time=end, estimate=False, **options)
 
 
 def rate_error(marched: sf.Marched, truth: Answer) -> float:

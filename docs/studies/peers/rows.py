@@ -102,14 +102,14 @@ def seconds_of(command: Sequence[str | Path], folder: Path) -> float:
 
 def timed_run(
     fault: sf.Scene, end: float, nodes: int, times: Sequence[float] | Array, **options: Any
-) -> tuple[sf.Run, float]:
+) -> tuple[sf.Marched, float]:
     """Run an interface; return it, and the seconds of the processor it took."""
     began = time.process_time()
     done = sf.solve(fault, end_time=end, nodes=nodes, times=list(times), estimate=False, **options)
     return done, time.process_time() - began
 
 
-def fields_of(done: sf.Run, *names: str) -> dict[str, Array]:
+def fields_of(done: sf.Marched, *names: str) -> dict[str, Array]:
     """Return fields of a run (times, nodes) by their names in words."""
     return {name: getattr(done.interface, name.replace(" ", "_")) for name in names}
 

@@ -75,27 +75,33 @@ _FIELD = {
     "gauges": Key("gauges recorded, in the order of the files", list_of(shape("x y"))),
 }
 
-_INTERFACE_RUN = {
+_MARCH = {
     "scene": _SCENE_KEY,
     "method": _METHOD,
-    "nodes": Key("nodes of one period", WHOLE),
+    "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+    "error_estimate": _ESTIMATE,
+    "error_estimates": Key(
+        "relative L1 errors of the slip rate; along a line also of slip and the change of shear "
+        "traction, and of gap and pressure where loads change the pressure; empty without a march "
+        "on half the nodes",
+        named(NUMBER),
+    ),
     "end_time": Key("time that was reached", NUMBER),
+    "nodes": Key("nodes of one period, or of the observed contact beside a slot", WHOLE),
     "steps": Key("number of steps", WHOLE),
     "shortest_step": Key("shortest step", NUMBER),
     "longest_step": Key("longest step", NUMBER),
-    "frames": Key("number of times at which fields were kept", WHOLE),
-    "largest_slip": Key("largest slip of the contact at the end", NUMBER),
-    "largest_slip_rate": Key("largest slip rate of the contact at any time", NUMBER),
-    "slipping": Key("share of the contact that slips at the end", NUMBER),
+    "stored_levels": Key("number of times at which fields were kept", WHOLE),
+    "largest_slip_rate": Key("largest slip rate over contact and time", NUMBER),
+    "largest_slip": Key("largest slip over contact and time", NUMBER),
     "largest_gap": Key("largest gap of the contact at the times that were kept", NUMBER),
-    "error_estimates": Key(
-        "relative L1 errors of slip, slip rate and the change of shear traction, and of "
-        "gap and pressure where loads change the pressure; empty without a second run",
-        named(NUMBER),
-    ),
-    "caution": Key("what limits the accuracy and can be changed; often empty", TEXT),
+    "slipping": Key("share of the contact that slips at the end", NUMBER),
+    "reach_of_slip": Key("largest |x| that slips", NUMBER),
+    "reach_of_reverse_slip": Key("largest |x| that slips backward", NUMBER),
+    "accumulated_slip": Key("accumulated slip, integral over the contact", NUMBER),
+    "frictional_work": Key("frictional work, integral over the contact", NUMBER),
 }
-"""Keys of the run of an interface."""
+"""Keys of a march."""
 _SHEET = row_of(Sheet, scene=SCENE)
 _JUDGED_ROWS = list_of(row_of(Row, verdict=TEXT, remedy=TEXT))
 _QUOTED = Key("differences and error bars of slip, slip rate and edges, on one line", TEXT)
@@ -120,22 +126,12 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "points": _POINTS,
         },
         {
-            "scene": _SCENE_KEY,
+            **_MARCH,
             "method": Key("space-time: a march, which has all keys below", {"const": "space-time"}),
-            "caution": Key("reason why the march is unresolved", TEXT),
-            "error_estimate": _ESTIMATE,
-            "end_time": Key("end time T", NUMBER),
-            "largest_slip_rate": Key("largest slip rate over contact and time", NUMBER),
-            "largest_slip": Key("largest slip over contact and time", NUMBER),
-            "reach_of_slip": Key("largest x that slips forward", NUMBER),
-            "reach_of_reverse_slip": Key("largest x that slips backward", NUMBER),
             "onset": Key("times at which slip starts at some x", list_of(shape("x time"))),
-            "accumulated_slip": Key("accumulated slip, integral over the contact", NUMBER),
-            "frictional_work": Key("frictional work, integral over the contact", NUMBER),
             "stress_intensity_of_a_stuck_edge": Key(
                 "stress intensity factors of a stuck edge at T", named(NUMBER)
             ),
-            "stored_levels": Key("number of stored time levels of the history", WHOLE),
             "statistics": _STATISTICS,
             "points": _POINTS,
         },
@@ -163,7 +159,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "until_end_time": _UNTIL_END_TIME,
             "points": _POINTS,
         },
-        {**_INTERFACE_RUN, "points": _POINTS},
+        {**_MARCH, "points": _POINTS},
     ),
     "fit": (
         {
@@ -228,7 +224,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 "errors of snapshots", or_null(shape("band", frames=list_of(row_of(FieldError))))
             ),
         },
-        _INTERFACE_RUN
+        _MARCH
         | {
             "comparison": Key(
                 "verdict, meshes, and the judged quantities",

@@ -91,7 +91,7 @@ def _of_another_scene(other: sf.Scene, right: Answer) -> Answer | None:
         return None
     if not isinstance(right, sf.Marched):
         return sf.solve(other)
-    given = {"nodes": right.grid.observed, "length": right.grid.observed * right.grid.spacing}
+    given = {"nodes": right.nodes, "length": right.nodes * right.spacing}
     return sf.solve(other, method="space-time", end_time=right.end_time, **given)
 
 

@@ -11,10 +11,9 @@ the plane wave of an incident load.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,10 +25,7 @@ from semianalytic.field.body import Quantity, checked_points
 from semianalytic.field.plane_wave import plane_wave
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.results.derived import hooke
-from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.questions import ROUNDING, check_times
-from semianalytic.results.reading import SAMPLED_SAFETY
-from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
@@ -271,79 +267,6 @@ class MarchedBodies:
                 f"stress: y = {depth:.3g} is nearer to the interface than nodes "
                 f"{self.spacing:.3g} apart resolve; {instead}."
             )
-
-
-@asked_in_units
-class MarchedAnswer(AnswerInBodies):
-    """A march, whose companion on half the nodes indicates its errors.
-
-    Fields in the bodies follow from slip and opening of the whole line.  Points of one depth, or of
-    one time, share most of the work.
-    """
-
-    if TYPE_CHECKING:  # what the classes have that inherit from this one
-        companion: Any
-        scene: Scene
-
-        @property
-        def end_time(self) -> float:
-            """The last time [time]."""
-
-    @property
-    def nearest_depth(self) -> float:
-        """Least distance from the interface at which stress is known: that of nodes [length]."""
-        return float(self._bodies.nearest)
-
-    def error_of(self, reading: Callable[[Any], ArrayLike]) -> Array:
-        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
-
-        The estimate is 1.6 times the difference from the companion; it assumes that the error falls
-        with the first power of the node distance or faster.  It is too small at a point where
-        the two curves cross: take the largest value, or a norm, over several places.
-
-        Parameters
-        ----------
-        reading : callable
-            Function of a march that returns a number or an array, as
-            ``lambda march: march.slip(x, t)``.
-
-        Returns
-        -------
-        array
-            The estimate, of the shape of the reading; nan without a companion.
-        """
-        if self.companion is None:
-            return np.full(np.shape(reading(self)), np.nan)
-        # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self._coarser)))
-
-    @cached_property
-    def _coarser(self) -> Any:
-        """The companion, whose stress is asked for as close to the interface as that of this."""
-        other = replace(self.companion)
-        # where `cached_property` keeps it
-        other.__dict__["_bodies"] = replace(other._bodies, nearest=self._bodies.nearest)
-        return other
-
-    @cached_property
-    def field_error(self) -> float:
-        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
-
-        It is the difference from the companion at 60 random places of 12 depths until where waves
-        have come from x = 0, at the end; nan without a companion.
-        """
-        if self.companion is None:
-            return math.nan
-        bodies, speed = self._bodies, self.scene.fastest_speed
-        reach = min(speed * self.end_time, bodies.followed, bodies.length / 2)
-        # The seed is fixed, so that the estimate of a march is always the same number.
-        x = reach * np.random.default_rng(0).uniform(-1, 1, (5, 12))
-        y = np.linspace(4 * bodies.nearest, reach, 6)
-        place, end = (x, np.concatenate([y, -y])), min(self.end_time, reach / speed)
-        stress, before = self.stress(*place, end), min(float(bodies.motion.t[0]), 0.0)
-        size = float(np.abs(stress - self.stress(*place, before)).sum())
-        apart = np.abs(stress - self._coarser.stress(*place, end))
-        return float(apart.sum()) / size if size else 0.0
 
 
 def bodies_on(scene: Scene, motion: Motion, grid: Grid) -> MarchedBodies:

@@ -13,14 +13,16 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import repeat
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
+from semianalytic.engine.estimate import judged
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.scenes.loads import table_bytes
-from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.nodes import state_bytes
+from semianalytic.engine.scenes.nodes import SlotCheckpoint, state_bytes
 from semianalytic.engine.scenes.record import Walk
 from semianalytic.engine.scenes.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import Span
@@ -64,10 +66,11 @@ def advance(
     ComputationError
         If values are no longer finite.
     """
-    began = time.perf_counter()
+    began, start = time.perf_counter(), marched.checkpoint
+    assert isinstance(start, SlotCheckpoint)
     # The steps are those of a march until `latest`, wherever it stops and goes on.
     whole = spans_until(marched)
-    finest, spans = min(span.step for span in whole), spans_to(whole, marched.end_time, end_time)
+    finest, spans = min(span.step for span in whole), spans_to(whole, start.reached.time, end_time)
     if not spans:  # the end has been reached but for rounding
         return marched
     # `every` is chosen before the first step, from all memory that the march will need at once.
@@ -82,7 +85,7 @@ def advance(
             told = progress(counted, walk.count) is True
         return told and counted % 2 == 0  # where the companion has a level
 
-    departure, companion, ended = marched.departure, marched.companion, False
+    departure, companion, ended = start.departure, marched.companion, False
     follows: Iterator[bool] = repeat(False)
     if companion is not None:
         coarser = [span._replace(step=2 * span.step) for span in spans]
@@ -97,10 +100,9 @@ def advance(
     if behind is not None:
         companion = behind.reached()
     seconds = {"setup": setup, "steps": time.perf_counter() - began}
-    taken = {name: more + seconds[name] for name, more in marched.statistics.seconds.items()}
-    marched = walk.reached()
-    statistics = replace(marched.statistics, seconds=taken)
-    return replace(marched, companion=companion, departure=departure, statistics=statistics)
+    taken = {name: more + seconds[name] for name, more in start.seconds.items()}
+    reached = walk.reached(departure=departure, seconds=taken)
+    return judged(replace(reached, companion=companion))
 
 
 def _departure(before: Departure, walk: Walk, behind: Walk) -> Departure:
@@ -121,9 +123,7 @@ def _departure(before: Departure, walk: Walk, behind: Walk) -> Departure:
     )
 
 
-def affordable_every(
-    marched: Marched, memory: float | None, spans: list[Span], finest: float
-) -> int:
+def affordable_every(marched: Any, memory: float | None, spans: list[Span], finest: float) -> int:
     """Return `every`, raised until the stored levels fit into the memory.
 
     Parameters
@@ -143,27 +143,34 @@ def affordable_every(
         If the march does not fit even without storing anything.
     """
     both = [march for march in (marched, marched.companion) if march is not None]
-    steps = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
+    reached, size = marched.checkpoint.reached.time, marched.checkpoint.grid.size
+    steps = sum(span.steps(max(span.begin, reached)) for span in spans)
     table = sum(_table_bytes(march, at * finest) for at, march in enumerate(both, 1))
-    state = sum(state_bytes(march.grid.size, march.statistics.poles) for march in both)
-    per_level = sum(march.grid.observed * BYTES_STORED for march in both)
-    earlier = sum(len(march.interface.t) * march.grid.observed * BYTES_STORED for march in both)
+    state = sum(_state_bytes(march) for march in both)
+    per_level = sum(march.nodes * BYTES_STORED for march in both)
+    earlier = sum(len(march.interface.t) * march.nodes * BYTES_STORED for march in both)
     sums = len(both) * steps * 96  # for times, loads and totals
     fixed = int(state + table + sums + earlier + 16 * per_level)  # at least 16 levels must fit
     check_memory(
         fixed,
         memory,
-        f"march: {steps:.6g} steps of {marched.grid.size} nodes",
+        f"march: {steps:.6g} steps of {size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
     # `fixed` has room for 16 levels already, which leaves one level more as a margin.
     levels = (memory_limit(memory) - fixed) // per_level + 1
-    return max(marched.every, math.ceil(steps / levels))
+    return max(marched.checkpoint.every, math.ceil(steps / levels))
 
 
-def _table_bytes(marched: Marched, finest: float) -> float:
+def _table_bytes(marched: Any, finest: float) -> float:
     """Return the size of the pressure table of a march, or of its march of pressure [bytes]."""
     if marched.scene.front_slowness and marched.scene.superposition.taken_off.pressure:
-        return state_bytes(marched.grid.size, marched.statistics.poles)
-    contact = marched.grid.size - marched.grid.slot
-    return table_bytes(marched.scene, contact, marched.latest / finest)
+        return _state_bytes(marched)
+    start = marched.checkpoint
+    contact = start.grid.size - start.grid.slot
+    return table_bytes(marched.scene, contact, start.latest / finest)
+
+
+def _state_bytes(marched: Any) -> int:
+    """Return the memory that a march needs for its state [bytes]."""
+    return state_bytes(marched.checkpoint.grid.size, len(marched.checkpoint.memory.poles))

@@ -33,10 +33,13 @@ MARGIN = 1.05
 def bodies_beside_slot(marched: Any) -> MarchedBodies:
     """Return the bodies of a march beside a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
-    if marched.entry and not scene.front_too_slow:  # no wave comes from where the load begins
-        marched = replace(marched, entry=(1 + MARGIN) * marched.entry)
+    start = marched.checkpoint
+    if start.entry and not scene.front_too_slow:  # no wave comes from where the load begins
+        entry = (1 + MARGIN) * start.entry
+        start = replace(start, entry=entry, begins=-scene.front_slowness * entry)
+        marched = replace(marched, checkpoint=start)
     grid = _longer(marched)
-    front = front_of(scene, grid, marched.entry) if scene.front_slowness else None
+    front = front_of(scene, grid, start.entry) if scene.front_slowness else None
     slip = _moved(marched, FreeFaces(marched, grid, "shear", front, _slip(marched)))
     opening = np.zeros((len(slip.slip), 0), np.float32)
     if scene.superposition.taken_off.pressure:
@@ -55,14 +58,15 @@ def _longer(marched: Any) -> ContactGrid:
     """Return the nodes of a march with a slot so long that no mirror image is seen behind it."""
     from scipy.fft import next_fast_len
 
-    scene, grid, end = marched.scene, marched.grid, marched.end_time
+    scene, start, end = marched.scene, marched.checkpoint, marched.end_time
+    grid = start.grid
     speed = scene.fastest_speed
     length = (1 + MARGIN) / 2 * speed * end
     if scene.front_slowness < 0:  # a front that outruns the waves meets its mirror image
         length = max(length, (1 + MARGIN) * end / (1 / speed - scene.front_slowness))
-    elif marched.entry:
-        lasts = scene.front_too_slow * speed * (end - marched.begins)
-        length = max(length, marched.entry + lasts)
+    elif start.entry:
+        lasts = scene.front_too_slow * speed * (end - start.begins)
+        length = max(length, start.entry + lasts)
     contact = grid.size - grid.slot
     slot = max(grid.slot, math.ceil(length / grid.spacing) + 8)
     size = next_fast_len(contact + slot, real=True)
@@ -71,8 +75,8 @@ def _longer(marched: Any) -> ContactGrid:
 
 def _slip(marched: Any) -> Callable[[Array, bool], Array]:
     """Return the slip rates of the contact that a march has found, those of its end beyond."""
-    known = marched.interface
-    beyond = marched.grid.size - marched.grid.slot - marched.grid.observed
+    known, grid = marched.interface, marched.checkpoint.grid
+    beyond = grid.size - grid.slot - grid.observed
 
     def given(times: Array, after: bool) -> Array:
         rows = np.clip(
@@ -93,7 +97,7 @@ def _slip(marched: Any) -> Callable[[Array, bool], Array]:
 
 def _moved(marched: Any, line: FreeFaces) -> Motion:
     """Return the motion of a line from the beginning of its load until the end of a march."""
-    rest, begins = np.zeros(line.grid.nodes // 2), marched.begins
+    rest, begins = np.zeros(line.grid.nodes // 2), marched.checkpoint.begins
     none = rest[line.kept]
     line.jumps = marched.scene.jumps
     blocks = EqualSteps(line, Reached(begins, rest, none, none, none, none))

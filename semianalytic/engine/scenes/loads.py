@@ -255,8 +255,9 @@ class FreeFaces(ClosedLine):
         front: Front | None,
         given: Callable[[Array, bool], Array] | None = None,
     ) -> None:
-        scene, solid, kernel = marched.scene, marched.scene.material, marched.memory
-        self.grid, self.kept, self.damping = nodes.line, nodes.contact, marched.damping
+        scene, solid, start = marched.scene, marched.scene.material, marched.checkpoint
+        kernel = start.memory
+        self.grid, self.kept, self.damping = nodes.line, nodes.contact, start.damping
         self.speed, self.impedance = solid.shear_speed, solid.shear_impedance / 2
         self.jumps: Sequence[float] = ()
         if name == "pressure":
@@ -320,14 +321,15 @@ class FrontPressure(FreeFaces):
     """
 
     def __init__(self, marched: Any, front: Front, step: float) -> None:
-        nodes = marched.grid
+        start = marched.checkpoint
+        nodes = start.grid
         super().__init__(marched, nodes, "pressure", front)
         none = np.zeros(nodes.size - nodes.slot)
-        begun = Reached(marched.begins, np.zeros(nodes.size), none, none, none, none)
+        begun = Reached(start.begins, np.zeros(nodes.size), none, none, none, none)
         self._blocks = EqualSteps(self, begun)
-        self._blocks.jump(self.after(marched.begins, step))
-        if marched.reached.time > marched.begins:
-            until = [Span(marched.begins, marched.reached.time, step)]
+        self._blocks.jump(self.after(start.begins, step))
+        if start.reached.time > start.begins:
+            until = [Span(start.begins, start.reached.time, step)]
             for _ in through(self, self._blocks, until, lambda time: False):
                 pass
 

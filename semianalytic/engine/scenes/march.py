@@ -19,13 +19,13 @@ from os import PathLike
 from typing import Any
 
 from semianalytic.engine.convergence import Tried, more_nodes, order_seen
-from semianalytic.engine.result import Run
+from semianalytic.engine.estimate import judged
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.run import run
 from semianalytic.engine.scenes import plan
 from semianalytic.engine.scenes.advancing import advance
 from semianalytic.engine.scenes.loads import TOLERANCES
-from semianalytic.engine.scenes.marched import Marched
-from semianalytic.engine.scenes.nodes import check_size
+from semianalytic.engine.scenes.nodes import SlotCheckpoint, check_size
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import MOST_NODES as MOST_LINE_NODES
 from semianalytic.engine.stepping.tuning import STEP_RATIO
@@ -74,7 +74,7 @@ def march(
     rtol: float | None = None,
     length: float | None = None,
     latest: float | None = None,
-    companion: bool = True,
+    estimate: bool = True,
     step_ratio: float = STEP_RATIO,
     damping: float | None = None,
     every: int = 1,
@@ -112,7 +112,7 @@ def march(
         Time to which the march may be continued (`go_on`) [time]; end_time unless given.  The grid
         and the steps are made for it, so that a march before it ends with the step that reaches
         its end time, and the continued march is the one march.
-    companion : bool
+    estimate : bool
         Whether to march a companion on half the nodes and in half the steps, for the error
         estimate; it takes a quarter to a third more time from 1000 nodes on, half below.
     step_ratio : float
@@ -122,7 +122,7 @@ def march(
         falls with slip, and 0.6 otherwise.
     every : int
         Store every n-th time level; the last is always stored.  The number is raised if the stored
-        levels do not fit into the memory: see `Marched.every`.
+        levels do not fit into the memory.
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
@@ -210,8 +210,8 @@ def march(
         rtol = _check_range("rtol", rtol, 0.0, 1.0)
         if nodes is not None:
             raise SceneError("march: `rtol` chooses the nodes; leave out `nodes`, or `rtol`.")
-        if not companion:
-            raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
+        if not estimate:
+            raise SceneError("march: `rtol` needs the estimate; leave `estimate` out.")
     entry = plan.checked_entry(scene, latest, length, entry)
     slowness = scene.front_slowness  # a wave that meets the contact first is all over it before
     if slowness < 0 and wave_slips_ahead(scene, latest + length * abs(slowness)):
@@ -230,30 +230,32 @@ def march(
 
     def computed(count: int) -> Marched:
         started = time.perf_counter()
-        check_size(scene, latest, length, count, memory, companion, entry)
-        rest = plan.at_rest(scene, count, length, tolerance, companion, **options)
+        check_size(scene, latest, length, count, memory, estimate, entry)
+        rest = plan.at_rest(scene, count, length, tolerance, estimate, **options)
         return advance(rest, end_time, memory, time.perf_counter() - started, progress)
 
     # 1000 nodes: the slip rate of `preloaded` is then off by 0.007 %, in 0.3 s.  With 250, the
     # first for an rtol, it is off by 0.6 %, in 0.05 s.
     least = 1000 if rtol is None else 250
-    check_size(scene, latest, length, nodes or least, memory, companion, entry)
+    check_size(scene, latest, length, nodes or least, memory, estimate, entry)
     count, coarser = plan.enough_nodes(scene, end_time, length, nodes, least, options), None
     while True:
         marched, most = computed(count), plan.MOST_NODES
         done = rtol is None or marched.end_time < end_time
-        tried = Tried(count, marched.departure.share)
+        assert isinstance(marched.checkpoint, SlotCheckpoint)
+        tried, order = Tried(count, marched.checkpoint.departure.share), None
         if coarser is not None and not done:
-            marched = replace(marched, order=order_seen(coarser, tried))
-        if rtol is None or done or count >= most or (estimate := marched.error_estimate) <= rtol:
+            order = order_seen(coarser, tried)
+            marched = judged(replace(marched, checkpoint=replace(marched.checkpoint, order=order)))
+        if rtol is None or done or count >= most or (error := marched.error_estimate) <= rtol:
             break
-        count, coarser = more_nodes(count, estimate, rtol, marched.order, most), tried
+        count, coarser = more_nodes(count, error, rtol, order, most), tried
     _log.debug("march: %r", marched)
     return marched
 
 
 @wraps(march)  # whose settings these are
-def solve(scene: Scene, **settings: Any) -> Marched | Run:
+def solve(scene: Scene, **settings: Any) -> Marched:
     """March a scene as `march` does; one that opens is marched along a line, where contacts may."""
     try:
         return march(scene, **settings)
@@ -284,15 +286,18 @@ def _continued(
     """Return the whole march from t = 0 to a later end time, without recomputing anything."""
     if marched.scene != scene:
         raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
-    end_time = marched.latest if end_time is None else end_time
+    assert isinstance(marched.checkpoint, SlotCheckpoint)
+    latest = marched.checkpoint.latest
+    end_time = latest if end_time is None else end_time
     end_time = _check_range("end_time", end_time, marched.end_time)
-    if end_time > marched.latest:
+    if end_time > latest:
         raise SceneError(
-            f"march: this run can go on to {marched.latest:.6g}; for more, start again with a "
+            f"march: this run can go on to {latest:.6g}; for more, start again with a "
             "later `latest`."
         )
     # the order was seen until the time that the march had reached, under its loads alone
-    return advance(replace(marched, order=None), end_time, memory, 0.0, progress)
+    start = replace(marched.checkpoint, order=None)
+    return advance(replace(marched, checkpoint=start), end_time, memory, 0.0, progress)
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

@@ -1,14 +1,18 @@
-"""The nodes of a march, on a line from whose ends no wave comes back, and the memory they need."""
+"""The nodes of a march beside a slot, whose ends send no wave back, and what it goes on from."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.engine.convergence import Departure
 from semianalytic.engine.stepping import line as stepping_line
+from semianalytic.engine.stepping.blocks import Reached
+from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.line_memory import Past
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.scene import Scene
 
@@ -55,6 +59,51 @@ class ContactGrid:
     def observe(self, values: Array) -> Array:
         """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
         return values[..., self.slot : self.slot + self.observed]
+
+
+@dataclass(frozen=True, eq=False)
+class SlotCheckpoint:
+    """Everything from which a march beside a slot goes on, and what it was asked for.
+
+    Attributes
+    ----------
+    grid, memory : ContactGrid, Memory
+        Nodes, and kernel of the memory.
+    reached, past : Reached, Past
+        The state that is reached, and the memory of past slip then.
+    latest : float
+        Time to which the march can go on [time].
+    step_ratio, damping, every : float, float, int
+        Options of the march, which a continuation keeps.
+    entry, begins : float
+        Distance from the tip at which a load that comes along the slot begins [length], else 0, and
+        the time of that [time].
+    rtol, order : float or None
+        The error that was asked for, and the order of convergence that was seen between this march
+        and a coarser one.
+    departure : Departure
+        Difference from the companion.
+    steps : int
+        Number of time steps.
+    seconds : dict
+        Seconds by stage: "setup" and "steps".
+    """
+
+    grid: ContactGrid
+    memory: Memory
+    reached: Reached
+    past: Past
+    latest: float
+    step_ratio: float
+    damping: float
+    every: int
+    entry: float
+    begins: float
+    rtol: float | None = None
+    order: float | None = None
+    departure: Departure = field(default_factory=Departure)
+    steps: int = 0
+    seconds: dict[str, float] = field(default_factory=lambda: {"setup": 0.0, "steps": 0.0})
 
 
 def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:

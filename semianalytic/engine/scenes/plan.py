@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
@@ -16,9 +17,9 @@ from semianalytic.engine.resolution import (
     rounded_up,
     zone_at_edge,
 )
-from semianalytic.engine.scenes.marched import Extremes, Marched, MarchStatistics
-from semianalytic.engine.scenes.nodes import ContactGrid, causal_grid
+from semianalytic.engine.scenes.nodes import ContactGrid, SlotCheckpoint, causal_grid
 from semianalytic.engine.stepping.blocks import Reached
+from semianalytic.engine.stepping.state import Extremes
 from semianalytic.memory.exponentials import Memory, fit_memory
 from semianalytic.memory.impedance import impedance_of
 from semianalytic.memory.line_memory import Past
@@ -118,18 +119,23 @@ def at_rest(
 
 def _on(scene: Scene, grid: ContactGrid, past: Memory, options: dict[str, Any]) -> Marched:
     """Return a march on a grid before its first step, without a companion."""
+    none = np.zeros((0, grid.observed))
     poles, no_times, rest = len(past.poles), np.zeros(0), np.zeros(grid.size - grid.slot)
-    still = np.zeros(grid.observed)
-    marched = Marched(
-        scene=scene,
-        interface=InterfaceHistory(grid.x, no_times, *[np.zeros((0, grid.observed))] * 5),
-        totals=Totals(*[no_times] * 4),
-        statistics=MarchStatistics(0, grid.size, poles, past.error, {"setup": 0, "steps": 0}),
+    begins = 0.0 - max(scene.front_slowness, 0.0) * options["entry"]
+    checkpoint = SlotCheckpoint(
         grid=grid,
         memory=past,
-        reached=Reached(0.0, np.zeros(grid.size), rest, rest, rest, rest),
+        reached=Reached(begins, np.zeros(grid.size), rest, rest, rest, rest),
         past=Past(np.zeros((1, poles, grid.size), complex), np.zeros((1, grid.size))),
-        seen=Extremes(still, still, np.full(grid.observed, np.inf)),
+        begins=begins,
         **options,
     )
-    return replace(marched, reached=replace(marched.reached, time=marched.begins))
+    return Marched(
+        scene=scene,
+        nodes=grid.observed,
+        interface=InterfaceHistory(grid.x, no_times, none, none, none, none, none),
+        totals=Totals(*[no_times] * 5),
+        seen=Extremes.none(grid.observed),
+        status="",
+        checkpoint=checkpoint,
+    )

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.marched import Marched
+from semianalytic.engine.marched import Marched
+from semianalytic.engine.scenes.nodes import SlotCheckpoint
 from semianalytic.engine.scenes.slot import SlotLine
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import EqualSteps
@@ -45,27 +46,31 @@ class Walk:
         every: int,
         block: int | None = None,
     ) -> None:
-        self._marched, self._spans, self.every, self.taken = marched, spans, every, 0
-        self.grid, self._line = marched.grid, SlotLine(marched, finest)
-        self.blocks = EqualSteps(self._line, marched.reached, block)
-        self.count = sum(span.steps(max(span.begin, marched.end_time)) for span in spans)
-        self._seen, earlier, before = marched.seen, marched.interface, marched.statistics.steps
+        start = marched.checkpoint
+        assert isinstance(start, SlotCheckpoint)
+        self._marched, self._start, self._spans = marched, start, spans
+        self._line, self.every, self.taken = SlotLine(marched, finest), every, 0
+        self.grid = start.grid
+        self.blocks = EqualSteps(self._line, start.reached, block)
+        self.count = sum(span.steps(max(span.begin, start.reached.time)) for span in spans)
+        # recorded from t = 0, or before it if waves of the load come earlier
+        self._first = start.begins if marched.scene.front_too_slow else 0.0
+        self._seen, earlier, before = marched.seen, marched.interface, start.steps
         whole = (before + self.count) // every - before // every
         # in addition to every n-th: the level at t = 0, the last, and one where the march may be
         # stopped
         levels = (not len(earlier.t)) + whole + bool((before + self.count) % every) + 1
-        # a march ends where the contact would open, so that the gap, the last field, is zero
-        stored = [getattr(earlier, field.name) for field in fields(earlier)][1:-1]
+        stored = [earlier.t, earlier.slip, earlier.slip_rate, earlier.shear_traction]
         # the pressure before is that of all levels where no load changes it
         self._steady = not marched.scene.superposition.taken_off.pressure
-        self._held = np.zeros(marched.grid.observed)
-        self._stored = _Rows(stored[:-1] if self._steady else stored, levels)
-        summed = [getattr(marched.totals, field.name) for field in fields(Totals)]
+        self._held = np.zeros(self.grid.observed)
+        self._stored = _Rows(stored if self._steady else [*stored, earlier.pressure], levels)
+        summed = [getattr(marched.totals, known.name) for known in fields(Totals)]
         self._summed = _Rows(summed, (not before) + self.count)
 
     def steps(self, asked: Callable[[float], bool]) -> Iterator[bool]:
         """Step on block by block, and record it, until `asked` says so; yield whether it did."""
-        stopped, blocks, start = False, self.blocks, self._marched.end_time
+        stopped, blocks, start = False, self.blocks, self._start.reached.time
 
         def ends(time: float) -> bool:
             nonlocal stopped
@@ -73,7 +78,7 @@ class Walk:
             return stopped
 
         first = self._line.after(start, self._spans[0].step)
-        if start in (self._marched.begins, *self._line.jumps):
+        if start in (self._start.begins, *self._line.jumps):
             blocks.jump(first)
             self._turn()
             self._begin(first.pressure)
@@ -95,10 +100,10 @@ class Walk:
     def _begin(self, pressure: Array) -> None:
         """Store the level that is reached if the record begins there."""
         at = self.blocks.times[-1:]
-        if at[0] == self._marched.recorded_from and not self._stored.count:
+        if at[0] == self._first and not self._stored.count:
             rate, traction, slip, path, work = (level[-1:] for level in self.blocks.levels)
             self._store(at, slip, rate, traction, [pressure])
-            self._sum(at, slip, path, work)
+            self._sum(at, slip, rate, path, work)
 
     def _add(self, last: bool) -> None:
         """Add the levels of a block, at the end of which the march may have been stopped."""
@@ -107,12 +112,12 @@ class Walk:
         taken = len(times) - 1
         self.taken += taken
         # a span ends where the record begins
-        if times[-1] <= self._marched.recorded_from:
+        if times[-1] <= self._first:
             self._begin(pressures[-1])
             return
         self._seen = self._seen.with_levels(times, self.grid.observe(rates))
-        self._sum(times[1:], slips[1:], paths[1:], works[1:])
-        reached = self._marched.statistics.steps + self.taken
+        self._sum(times[1:], slips[1:], rates[1:], paths[1:], works[1:])
+        reached = self._start.steps + self.taken
         kept = np.arange(reached - taken + 1, reached + 1) % self.every == 0
         kept[-1] |= last or self.taken == self.count
         rows = np.flatnonzero(kept)
@@ -140,28 +145,38 @@ class Walk:
         else:
             self._stored.add(*rows, [pressure[: grid.observed] for pressure in pressures])
 
-    def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
+    def _sum(
+        self, times: Sequence[float], slips: Array, rates: Array, paths: Array, works: Array
+    ) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""
         # Each node is the middle of a stretch h (x = (i + 1/2) h): the midpoint rule.
         n, h = self.grid.observed, self.grid.spacing
-        largest = np.abs(slips[:, :n]).max(axis=1)
-        self._summed.add(times, largest, *(rows[:, :n].sum(axis=1) * h for rows in (paths, works)))
+        both = slips[:, :n], self.grid.observe(rates)
+        largest, peaks = (np.abs(rows).max(axis=1) for rows in both)
+        sums = (rows[:, :n].sum(axis=1) * h for rows in (paths, works))
+        self._summed.add(times, largest, *sums, peaks)
 
-    def reached(self) -> Marched:
-        """Return the march until the state reached."""
+    def reached(self, **known: Any) -> Marched:
+        """Return the march until the state reached, with what else its checkpoint is to have."""
         times, *stored = self._stored.arrays()
         if self._steady:
             stored.append(np.broadcast_to(self._held, stored[0].shape))
-        closed, before = np.broadcast_to(0.0, stored[0].shape), self._marched.statistics
+        # a march ends where the contact would open: the gap is zero
+        closed = np.broadcast_to(0.0, stored[0].shape)
+        checkpoint = replace(
+            self._start,
+            every=self.every,
+            steps=self._start.steps + self.taken,
+            reached=self.blocks.reached,
+            past=self._line.memory.past(),
+            **known,
+        )
         return replace(
             self._marched,
             interface=InterfaceHistory(self.grid.x, times, *[*stored, closed]),
             totals=Totals(*self._summed.arrays()),
-            every=self.every,
-            statistics=replace(before, steps=before.steps + self.taken),
-            reached=self.blocks.reached,
-            past=self._line.memory.past(),
             seen=self._seen,
+            checkpoint=checkpoint,
         )
 
 

@@ -40,9 +40,9 @@ class SlotLine(ClosedLine):
     sweeps, means_last = SWEEPS, True
 
     def __init__(self, marched: Any, finest: float) -> None:
-        scene, nodes = marched.scene, marched.grid
-        self.scene, self.damping, self.kept = scene, marched.damping, nodes.contact
-        self._latest = marched.latest
+        scene, start = marched.scene, marched.checkpoint
+        nodes, self._latest = start.grid, start.latest
+        self.scene, self.damping, self.kept = scene, start.damping, nodes.contact
         self.grid, self.law, self.jumps = nodes.line, scene.law, scene.jumps
         self.impedance = scene.material.shear_impedance / 2
         self.speed = scene.material.shear_speed
@@ -53,18 +53,18 @@ class SlotLine(ClosedLine):
         usual = SINGLE_RATES[0] < max(sizes) / self.impedance < SINGLE_RATES[1]
         double = 0 if nodes.size <= SINGLE_SIZE else nodes.size // 8
         double = double if usual else nodes.size
-        self.memory = LineMemory(marched.memory, self.grid.wavenumbers, double=double)
-        self.memory.put_back(marched.past)
+        self.memory = LineMemory(start.memory, self.grid.wavenumbers, double=double)
+        self.memory.put_back(start.past)
         # what the history adds to the shear of the uncut line, and of slot faces: Q_b - Q_0 f
         load, self._base = scene.superposition.taken_off.shear, scene.before_load.shear
         self._shares = (load, 0.0) if scene.arrives else (0.0, -load)
-        self._front = front_of(scene, nodes, marched.entry) if scene.front_slowness else None
+        self._front = front_of(scene, nodes, start.entry) if scene.front_slowness else None
         self._pressure: GridPressure | FrontPressure
         if self._front is not None and scene.superposition.taken_off.pressure:
             self._pressure = FrontPressure(marched, self._front, finest)
         else:
             count = nodes.size - nodes.slot
-            self._pressure = GridPressure(scene, count, nodes.spacing, marched.latest, finest)
+            self._pressure = GridPressure(scene, count, nodes.spacing, start.latest, finest)
 
     def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
         """Yield the ends of steps, with the pressure checked where loads change it."""
@@ -127,12 +127,13 @@ def spans_until(marched: Any) -> list[Span]:
     The end of each pair is a level of the companion as well.
     """
     # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
-    at = {0.0, *marched.scene.jumps, marched.latest}
-    stops = sorted(time for time in at if marched.begins < time <= marched.latest)
-    longest = marched.step_ratio * marched.grid.spacing / marched.scene.material.shear_speed
+    start = marched.checkpoint
+    at = {0.0, *marched.scene.jumps, start.latest}
+    stops = sorted(time for time in at if start.begins < time <= start.latest)
+    longest = start.step_ratio * start.grid.spacing / marched.scene.material.shear_speed
     return [
         Span(begin, stop, (stop - begin) / (2 * max(1, math.ceil((stop - begin) / longest / 2))))
-        for begin, stop in pairwise([marched.begins, *stops])
+        for begin, stop in pairwise([start.begins, *stops])
     ]
 
 

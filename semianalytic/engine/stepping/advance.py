@@ -52,10 +52,13 @@ class Span(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """Steps of a march: times of k levels and the one before, slip rates, and states by place."""
+    """Steps of a march: times of k levels and the one before, slip rates and slip, work of friction
+    on the contact, and states by place."""
 
     times: Sequence[float]
     rates: Array
+    slips: Array
+    works: Array
     look: Callable[[int], State]
 
 
@@ -151,7 +154,8 @@ def stepped(
     spans = [Span(*span, stepper.shortest) for span in pairwise([max(begin, 0.0), *stops])]
     for _ in through(stepper, blocks, spans, asked, lambda: keep(look(len(blocks.times) - 1))):
         if len(blocks.times) > 1:
-            yield Taken(blocks.times, blocks.levels[0], look)
+            rates, _, slips, _, works = blocks.levels
+            yield Taken(blocks.times, rates, slips, works, look)
 
 
 def _one_by_one(
@@ -171,7 +175,14 @@ def _one_by_one(
             both = [now, stepper.advance(now, stop)]
             now = both[1]
             stopped = asked(now.time)
-            times, rates = [march.time for march in both], np.array([march.rate for march in both])
-            yield Taken(times, rates, both.__getitem__)
+            yield Taken([state.time for state in both], *levels_of(both, stepper), both.__getitem__)
             if stopped:
                 return
+
+
+def levels_of(states: Sequence[State], stepper: Stepper) -> tuple[Array, Array, Array]:
+    """Return slip rate, slip and work of friction on the contact in states, (k, ...) each."""
+    on = stepper.touching
+    rows = zip(*((now.rate, now.slip, now.work[on]) for now in states), strict=True)
+    rates, slips, works = map(np.array, rows)
+    return rates, slips, works

@@ -53,7 +53,7 @@ def with_period(scene: Scene, end_time: float) -> Scene:
     if any(map(callable, (*given, *parts, scene.rate))):
         raise SceneError("scene: fields vary along x; give the `period` of the line.")
     ends = [abs(end) for part in scene.contact.intervals for end in part if math.isfinite(end)]
-    # waves from an end that the period has as well reach a quarter of it (`Run.caution`)
+    # waves from an end that the period has as well reach a quarter of it (`Marched.caution`)
     return replace(scene, period=2 * max(ends, default=0.0) + 4 * scene.fastest_speed * end_time)
 
 
@@ -104,6 +104,16 @@ class Grid:
         if self.even:
             return np.asarray(self.spacing * (np.arange(half + (not self.between)) + shift))
         return np.asarray(self.spacing * (np.arange(self.nodes) - half + shift) + self.shift)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Length of the line for which each node stands, (n,) [length]."""
+        weights = np.full(len(self.x), self.spacing)
+        if self.even:
+            # Nodes at x = 0 and length / 2 are their own mirror images.
+            weights[self.x > 0] *= 2
+            weights[self.x >= self.length / 2] /= 2
+        return weights
 
     @cached_property
     def wavenumbers(self) -> Array:

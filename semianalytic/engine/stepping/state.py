@@ -1,7 +1,8 @@
-"""The state of an interface at one time, and what a run goes on from."""
+"""The state of an interface at one time, extremes until then, and what a march goes on from."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.unilateral import Faces
 from semianalytic.memory.line_memory import Past
+from semianalytic.results.questions import ONSET_SHARE, onsets_until
 
 Array = NDArray[np.float64]
 
@@ -47,8 +49,60 @@ class State(Faces):
 
 
 @dataclass(frozen=True, eq=False)
-class RunCheckpoint:
-    """Everything from which a run goes on.
+class Extremes:
+    """Extremes over every step of a march, stored or not, at the observed nodes.
+
+    Attributes
+    ----------
+    forward, reverse : (n,) arrays
+        Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
+    onset : (n,) array
+        Time at which slip began [time], inf where it did not: |V| passed the threshold,
+        interpolated linearly between the two levels around that time.
+    slipping : float, optional
+        The threshold [length / time]; by default it is 1 % of the largest |V| until then.
+    """
+
+    forward: Array
+    reverse: Array
+    onset: Array
+    slipping: float | None = None
+
+    @classmethod
+    def none(cls, nodes: int, slipping: float | None = None) -> Extremes:
+        """Return those of so many nodes at rest."""
+        return cls(np.zeros(nodes), np.zeros(nodes), np.full(nodes, np.inf), slipping)
+
+    @property
+    def slip_rate(self) -> Array:
+        """Largest |slip rate| (n,) [length / time]."""
+        return np.maximum(self.forward, np.abs(self.reverse))
+
+    def with_levels(self, times: Sequence[float], rates: Array) -> Extremes:
+        """Return the extremes with k more levels included.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        rates : (k + 1, n) array
+            Slip rates at these [length / time].
+        """
+        forward = np.maximum(self.forward, rates[1:].max(axis=0))
+        reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
+        speeds, threshold = np.abs(rates), np.full(len(rates) - 1, self.slipping)
+        if self.slipping is None:
+            # The threshold of a level uses only what was until then, so that a march that is
+            # continued finds the same onsets.
+            until = np.maximum.accumulate(speeds[1:].max(axis=1))
+            threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
+        onset = onsets_until(self.onset, times, speeds, threshold)
+        return Extremes(forward, reverse, onset, self.slipping)
+
+
+@dataclass(frozen=True, eq=False)
+class LineCheckpoint:
+    """Everything from which a march along a line goes on.
 
     Attributes
     ----------
@@ -64,10 +118,10 @@ class RunCheckpoint:
         Digest of what the run depends on until `latest`.
     every, count : int
         Steps per stored level, and steps until the time of `state`.
-    slipping : float
-        |slip rate| beyond which slip has begun [length / time].
+    seen : Extremes
+        Extremes until then.
     latest : float
-        Time up to which the run may go on [time].
+        Time up to which the march may go on [time].
     """
 
     state: State
@@ -78,5 +132,5 @@ class RunCheckpoint:
     fingerprint: str
     every: int
     count: int
-    slipping: float
+    seen: Extremes
     latest: float

@@ -86,7 +86,7 @@ def test_a_march_is_as_far_off_as_it_says(monkeypatch):
     sheet = SHEETS["pulse"]
     assert [name for name, one in SHEETS.items() if one.is_marched] == ["pulse", *INTERFACES]
     fine = fields_of(
-        sheet, solve(sheet.problem, method="space-time", end_time=1.0, nodes=1600, companion=False)
+        sheet, solve(sheet.problem, method="space-time", end_time=1.0, nodes=1600, estimate=False)
     )
     monkeypatch.setattr(answers, "NODES", 600)
     monkeypatch.setattr(answers, "answer_to", cache(answer_to.__wrapped__))

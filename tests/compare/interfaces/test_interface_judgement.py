@@ -251,7 +251,7 @@ def test_rate_and_state_friction_agrees():
     [
         ({}, {"mesh_nodes": 100}, "mesh_nodes must be a multiple of 4 that divides"),
         ({"friction": 0.9}, {}, "between these bodies is ill-posed"),
-        ({"held": 3.0}, {}, "stiffness for the mean slip"),
+        ({"held": 3.0}, {}, "no stiffness for the mean slip"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(change, options, words):

@@ -227,7 +227,7 @@ def test_what_this_package_writes(tmp_path):
 
 
 def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_path):
-    march = solve("ramp", nodes=32, end_time=0.5, companion=False)
+    march = solve("ramp", nodes=32, end_time=0.5, estimate=False)
     run = solve("two-slots", nodes=64, end_time=0.5, estimate=False)
     exact = solve("preloaded").to_xarray(X, T)
     saves = {"a.h5": march.save, "b.nc": march.save, "c.npz": run.save}

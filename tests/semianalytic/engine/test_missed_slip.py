@@ -82,4 +82,4 @@ def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatc
         done.save(path)
     monkeypatch.undo()
     assert [one.name for one in tmp_path.iterdir()] == ["run.h5"]
-    assert sf.Run.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)
+    assert sf.Marched.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)

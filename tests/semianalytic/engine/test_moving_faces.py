@@ -10,7 +10,7 @@ import semianalytic as sf
 from semianalytic.engine.bodies.motion import Levels, MotionRecord
 from semianalytic.engine.bodies.spectrum import terms_of
 from semianalytic.engine.bodies.transfer import decays, potentials
-from semianalytic.engine.result import Run
+from semianalytic.engine.marched import Marched
 from semianalytic.engine.run import run
 
 SOLID, UPPER, LOWER = (
@@ -204,7 +204,7 @@ def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     gone = run(scene, 1.0, 128, go_on=part)
     np.testing.assert_allclose(gone.stress(*at), whole.stress(*at), atol=1e-5)
     whole.save(tmp_path / "run.h5")
-    loaded = Run.load(tmp_path / "run.h5")
+    loaded = Marched.load(tmp_path / "run.h5")
     assert loaded.stress(*at).tolist() == whole.stress(*at).tolist()
     estimate = loaded.error_of(lambda one: one.stress(*at))
     assert np.all((estimate > 0) & (estimate < 0.2))

@@ -217,7 +217,7 @@ def test_under_a_base_the_edge_accelerates_as_the_refusal_says():
     scene = sf.Scene(
         SOLID, 1.0, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, rate), shear_history=sf.Ramp(1.0)
     )
-    marched = sf.solve(scene, method="space-time", end_time=1.0, nodes=2000, companion=False)
+    marched = sf.solve(scene, method="space-time", end_time=1.0, nodes=2000, estimate=False)
     for t in (0.6, 0.8, 1.0):
         (zone,) = marched.zones_at(t)
         chi = 1 / (rate * t)

@@ -26,7 +26,7 @@ from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 def error_of_step(scene, nodes, **options):
     marched = march(scene, nodes=nodes, every=10**6, **options)
-    x = marched.grid.x
+    x = marched.interface.x
     seen = (x > 0.02) & (x < 1.9)
     return relative_l1(
         marched.interface.slip_rate[-1, seen], sf.solve(scene).slip_rate(x[seen], 1.0)
@@ -103,7 +103,7 @@ def test_step_at_other_poisson_ratios(nu, error):
     """Measured 0.20, 0.087, 0.025 %; worst where the step is small next to c_l dt = h."""
     scene = replace(preloaded(0.4), material=sf.Material(1.0, 1.0, nu))
     marched = march(scene, nodes=600, length=1.5, every=10**6)
-    x = marched.grid.x[5:]
+    x = marched.interface.x[5:]
     found = marched.interface.slip_rate[-1, 5:]
     assert relative_l1(found, sf.solve(scene).slip_rate(x, 1.0)) < error
 
@@ -136,7 +136,7 @@ def test_everything_slips_below_unit_strength():
     """Remote load with friction below shear over pressure: uniform sliding ahead of all waves."""
     scene = replace(find_scene("remote-shock"), friction=0.5)
     marched = march(scene, nodes=400, every=10**6)
-    x = marched.grid.x
+    x = marched.interface.x
     ahead = x > 1.02 * scene.material.longitudinal_speed
     assert relative_l1(marched.interface.slip_rate[-1], sf.solve(scene).slip_rate(x, 1.0)) < 3e-3
     np.testing.assert_allclose(
@@ -150,10 +150,10 @@ def test_everything_slips_below_unit_strength():
 def stuck_error(history, where, mode):
     """Shear traction of a stuck interface by the grid against (3.20), x = where(n) h."""
     scene = preloaded(1e6, shear_history=history, mode=mode)
-    marched = march(scene, nodes=300, every=10**6, companion=False)
+    marched = march(scene, nodes=300, every=10**6, estimate=False)
     assert not marched.interface.slip_rate.any()
     offset, factors = edge_offset_and_factors()
-    x = (np.arange(60) + (offset if where is None else where)) * marched.grid.spacing
+    x = (np.arange(60) + (offset if where is None else where)) * marched.spacing
     load = float(history.value(1.0))
     exact = stuck_shear(history, 1.0, UNIT, x, 1.0, scene.shear_mode).value + load
     found = marched.interface.shear_traction[-1, :60] + load
@@ -208,7 +208,7 @@ def test_stuck_traction_of_any_history(history):
     scene = sf.Scene(UNIT, 1e3, sf.Tractions(5.0, 0.0), sf.Tractions(0.1, 1.0), history, history)
     marched = march(scene, nodes=200, every=10**6)
     assert not marched.interface.slip_rate.any()
-    x = marched.grid.x[20:]
+    x = marched.interface.x[20:]
     shear = stuck_shear(history, 1.0, UNIT, x, 1.0).value
     pressure = 5 + stuck_pressure(history, 0.1, UNIT, x, 1.0).value
     assert np.abs(marched.interface.shear_traction[-1, 20:] - shear).mean() < 0.01
@@ -271,7 +271,7 @@ def test_jump_within_the_run_falls_on_a_time_level():
     pulse = march(preloaded(shear_history=sf.Pulse(0.371)), nodes=300)
     end = int(np.argmin(np.abs(pulse.interface.t - 0.371)))
     assert pulse.interface.t[end] == pytest.approx(0.371, abs=1e-14)
-    x = pulse.grid.x
+    x = pulse.interface.x
     seen = (x > 0.02) & (x < 0.7)
     wanted = sf.solve(preloaded()).slip_rate(x[seen], 0.371)
     assert relative_l1(pulse.interface.slip_rate[end, seen], wanted) < 4e-3
@@ -281,11 +281,11 @@ def test_jump_within_the_run_falls_on_a_time_level():
 def test_second_order_for_smooth_loads():
     """Against a grid four times finer than the last one, errors of a smooth pulse fall fast."""
     scene = preloaded(shear_history=sf.Pulse(0.8, "haversine"))
-    fine = march(scene, nodes=4096, every=10**6, companion=False)
+    fine = march(scene, nodes=4096, every=10**6, estimate=False)
     errors = []
     for nodes in (128, 256, 512, 1024):
-        coarse = march(scene, nodes=nodes, every=10**6, companion=False)
-        wanted = np.interp(coarse.grid.x, fine.grid.x, fine.interface.slip[-1])
+        coarse = march(scene, nodes=nodes, every=10**6, estimate=False)
+        wanted = np.interp(coarse.interface.x, fine.interface.x, fine.interface.slip[-1])
         errors.append(relative_l1(coarse.interface.slip[-1], wanted))
     assert errors[-1] < 1e-4
     assert total_error_of_order(errors) > 1.2
@@ -354,8 +354,8 @@ def test_grid_is_as_large_as_shear_waves_reach():
     pressed = replace(shear, load=sf.Tractions(0.5, 1.0))
     sizes = [causal_grid(scene, 1.0, 1.0, 200).size for scene in (shear, pressed)]
     assert sizes[1] > 1.3 * sizes[0]
-    assert march(shear, nodes=100).grid.x[-1] < UNIT.shear_speed
-    assert march(pressed, nodes=100).grid.x[-1] > 1.9 * UNIT.shear_speed
+    assert march(shear, nodes=100).interface.x[-1] < UNIT.shear_speed
+    assert march(pressed, nodes=100).interface.x[-1] > 1.9 * UNIT.shear_speed
 
 
 @pytest.mark.thinned(6)
@@ -366,7 +366,7 @@ def test_marches_converge_to_exact_solutions(problem):
     """Pressure that changes, viscosity, slip everywhere and ahead of the shear wave."""
     exact, errors = sf.solve(problem.scene, method="self-similar"), []
     for nodes in (250, 500):
-        marched = march(problem.scene, nodes=nodes, companion=False, every=10**6)
+        marched = march(problem.scene, nodes=nodes, estimate=False, every=10**6)
         x = marched.interface.x
         wanted = exact.slip_rate(x, marched.end_time)
         found = marched.interface.slip_rate[-1]

@@ -59,7 +59,7 @@ def test_error_counts_the_memory_of_both():
     """March and companion share the transform, so its error does not show in their difference."""
     rough, fine = (march(PRELOADED, end_time=1.0, nodes=512, tolerance=one) for one in (1e-3, 1e-6))
     assert rate_error(rough, sf.solve(PRELOADED)) <= rough.error_estimate
-    assert rough.error_estimate - fine.error_estimate > rough.memory.error
+    assert rough.error_estimate - fine.error_estimate > rough.checkpoint.memory.error
 
 
 def test_error_of_any_reading():
@@ -93,7 +93,7 @@ def test_error_is_the_difference_from_the_companion():
     rate = marched.slip_rate(x, t[:, None])
     difference = np.abs(rate - coarse.slip_rate[:, : len(x)])
     share = np.trapezoid(difference.sum(axis=1), t) / np.trapezoid(np.abs(rate).sum(axis=1), t)
-    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.memory.error
+    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.memory.error
     assert marched.error_estimate == pytest.approx(expected, rel=0.02)
 
 
@@ -121,9 +121,7 @@ def test_a_strip_narrower_than_the_grid_is_told_wherever_it_is():
 
 
 def test_companion_changes_nothing():
-    with_one, alone = (
-        march(SHOCK, end_time=1.0, nodes=100, companion=one) for one in (True, False)
-    )
+    with_one, alone = (march(SHOCK, end_time=1.0, nodes=100, estimate=one) for one in (True, False))
     np.testing.assert_array_equal(with_one.interface.slip_rate, alone.interface.slip_rate)
     assert alone.companion is None
     assert math.isnan(alone.error_estimate)
@@ -136,11 +134,11 @@ def test_companion_changes_nothing():
 def test_companion_is_the_march_at_half_the_nodes(nodes):
     marched, half = (march(SHOCK, end_time=1.0, nodes=nodes), (nodes + 1) // 2)
     alone = march(
-        SHOCK, end_time=1.0, nodes=half, length=2 * marched.grid.spacing * half, companion=False
+        SHOCK, end_time=1.0, nodes=half, length=2 * marched.spacing * half, estimate=False
     )
-    assert 2 * marched.companion.statistics.steps == marched.statistics.steps
+    assert 2 * marched.companion.steps == marched.steps
     assert marched.companion.end_time == marched.end_time
-    found, wanted = (one.slip(alone.grid.x, 1.0) for one in (marched.companion, alone))
+    found, wanted = (one.slip(alone.interface.x, 1.0) for one in (marched.companion, alone))
     np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4)
 
 
@@ -165,7 +163,7 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
     np.testing.assert_array_equal(part.interface.slip[kept], whole.interface.slip[kept])
     np.testing.assert_array_equal(part.interface.t[kept], whole.interface.t[kept])
     # the companion has every second level
-    assert part.statistics.steps == stop + stop % 2 == 2 * part.companion.statistics.steps
+    assert part.steps == stop + stop % 2 == 2 * part.companion.steps
     if part.end_time < 1.0:
         rest = gone_on(part, 1.0)
         found, wanted = (one.interface.slip[-1] for one in (rest, whole))
@@ -178,9 +176,9 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
 def test_companion_is_counted_in_the_memory():
     scene = find_scene("ramp")
     alone, with_one = (
-        march(scene, nodes=400, memory=4_000_000, companion=one) for one in (False, True)
+        march(scene, nodes=400, memory=4_000_000, estimate=one) for one in (False, True)
     )
-    assert with_one.every > alone.every > 1
+    assert with_one.checkpoint.every > alone.checkpoint.every > 1
     kept = sum(32 * one.interface.slip.size for one in (with_one, with_one.companion))
     assert kept < 2_500_000
 
@@ -195,9 +193,9 @@ def test_march_within_an_rtol(name, rtol):
     marched = march(find_scene(name), end_time=1.0, rtol=rtol, every=10**6)
     assert marched.error_estimate <= rtol
     assert marched.status == "resolved"
-    assert marched.error_estimate > rtol / 10 or marched.grid.observed == 250
+    assert marched.error_estimate > rtol / 10 or marched.nodes == 250
     if name != "pulse":
-        fields = march(find_scene(name), end_time=1.0, nodes=marched.grid.observed)
+        fields = march(find_scene(name), end_time=1.0, nodes=marched.nodes)
         assert rate_error(fields, sf.solve(find_scene(name))) <= rtol
 
 
@@ -205,7 +203,7 @@ def test_march_within_an_rtol(name, rtol):
 def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
     monkeypatch.setattr(march_plan, "MOST_NODES", 300)
     marched = march(PRELOADED, end_time=1.0, rtol=1e-4, every=10**6)
-    assert marched.grid.observed == 300
+    assert marched.nodes == 300
     assert marched.status == "unresolved"
     assert "above the `rtol` of 1.0e-04; raise `nodes`" in marched.caution
     times = float(marched.caution.split("raise `nodes` ")[1].split()[0])
@@ -220,7 +218,7 @@ def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
 def test_a_stop_ends_the_search():
     marched = march(PRELOADED, end_time=1.0, rtol=1e-4, progress=lambda done, steps: done == 40)
     assert 0 < marched.end_time < 1
-    assert marched.grid.observed == 250
+    assert marched.nodes == 250
 
 
 def test_rtol_of_either_solver():
@@ -247,7 +245,7 @@ def test_coarse_weakening_is_unresolved_with_what_would_do():
         "weakens within about 0.17 of length, over 3.1 nodes where 8 resolve it" in coarse.caution
     )
     times = float(coarse.caution.split("raise `nodes` ")[1].split()[0])
-    assert march(WEAK, end_time=1.0, nodes=int(times * coarse.grid.observed)).status == "resolved"
+    assert march(WEAK, end_time=1.0, nodes=int(times * coarse.nodes)).status == "resolved"
     with pytest.raises(sf.SceneError, match="do not resolve; raise `nodes` 6 times"):
         march(WEAK, end_time=1.0, nodes=in_zone(WEAK, 1.5))
     assert march(PRELOADED, end_time=1.0, nodes=50).status == "resolved"
@@ -258,7 +256,7 @@ def test_coarse_weakening_is_unresolved_with_what_would_do():
 def test_weakening_that_is_called_resolved_is_right_to_a_percent(name):
     """In slip and frictional work; and the limit is not far from where that ends."""
     scene, end = WEAKENING[name]
-    truth = march(scene, end_time=end, nodes=in_zone(scene, 64, end), companion=False)
+    truth = march(scene, end_time=end, nodes=in_zone(scene, 64, end), estimate=False)
     errors = {}
     for count in (3, 8):
         marched = march(scene, end_time=end, nodes=in_zone(scene, count, end))
@@ -275,7 +273,7 @@ def test_nodes_are_chosen_for_the_process_zone():
     sharp = under(WEAK, sf.SlipWeakening(1.0, 1 / 3, 7e-4))
     assert in_zone(sharp, 8, 0.2) > 1000
     chosen = march(sharp, end_time=0.2, every=10**6)
-    assert chosen.grid.observed == in_zone(sharp, 8, 0.2)
+    assert chosen.nodes == in_zone(sharp, 8, 0.2)
     assert chosen.status == "resolved"
     sharper = under(WEAK, sf.SlipWeakening(1.0, 1 / 3, 5e-5))
     assert in_zone(sharper, 8, 0.2) > MOST_NODES

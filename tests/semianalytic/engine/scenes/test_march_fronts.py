@@ -26,7 +26,7 @@ SCENES = {
 def in_error(marched, exact):
     """Relative L1 errors of slip rate, shear traction and pressure at the end."""
     t = marched.end_time
-    x = marched.grid.x[marched.grid.x > 0.02]
+    x = marched.interface.x[marched.interface.x > 0.02]
     for name in ("slip_rate", "shear_traction", "pressure"):
         right = getattr(exact, name)(x, t)
         yield float(np.abs(getattr(marched, name)(x, t) - right).sum() / np.abs(right).sum())
@@ -78,8 +78,8 @@ def march_and_witness(scene, nodes, mode, held, strength):
     `held(come, x)` is the traction of a glued line over which so much of the front has come.
     """
     p, entry, end, length = scene.front_slowness, 0.7, 0.5, 8.0
-    marched = march(scene, end_time=end, nodes=nodes, length=1.0, entry=entry, companion=False)
-    assert marched.interface.t[0] == marched.begins == -p * entry
+    marched = march(scene, end_time=end, nodes=nodes, length=1.0, entry=entry, estimate=False)
+    assert marched.interface.t[0] == marched.checkpoint.begins == -p * entry
 
     def glued(x, t):
         return held(front(t, x, p, 1 / nodes, entry), x)
@@ -134,11 +134,11 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
     """While nothing slips everything is linear; the level of the later step falls on a level."""
     scene = sf.Scene(UNIT, 50.0, PRESSED, wave)
     entry = 1.0 if wave.angle == 50.0 else None
-    settings = {"end_time": 0.6, "nodes": 60, "entry": entry, "companion": False}
+    settings = {"end_time": 0.6, "nodes": 60, "entry": entry, "estimate": False}
     pulse = sf.Pulse(0.25)
     pulsed = march(replace(scene, pressure_history=pulse, shear_history=pulse), **settings)
     step = march(scene, **settings)
-    x = step.grid.x
+    x = step.interface.x
     for name in ("pressure", "shear_traction"):
         base = getattr(scene.base, name.partition("_")[0])
         now, before = (getattr(step, name)(x, t) - base for t in (0.6, 0.35))
@@ -151,20 +151,20 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
 def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
     wave = sf.Scene(UNIT, 1.2, PRESSED, sf.IncidentWave("P", 0.0, stress=1.0))
     remote = replace(wave, load=sf.Tractions(1.0, 0.0), load_on="remote")
-    one, other = (march(scene, nodes=60, companion=False) for scene in (wave, remote))
+    one, other = (march(scene, nodes=60, estimate=False) for scene in (wave, remote))
     for name in ("pressure", "shear_traction"):
         mine, right = (getattr(run.interface, name) for run in (one, other))
         np.testing.assert_allclose(mine, right, atol=1e-13)
     # a slow ramp far from the edge: the contact carries base and wave as they are
-    ramped = march(replace(wave, pressure_history=sf.Ramp(0.5)), nodes=60, companion=False)
-    ahead = ramped.grid.x > 1.1  # waves from the slot have come to 0.5 at t = 0.25
-    np.testing.assert_allclose(ramped.pressure(ramped.grid.x[ahead], 0.25), 1.5, atol=1e-3)
+    ramped = march(replace(wave, pressure_history=sf.Ramp(0.5)), nodes=60, estimate=False)
+    ahead = ramped.interface.x > 1.1  # waves from the slot have come to 0.5 at t = 0.25
+    np.testing.assert_allclose(ramped.pressure(ramped.interface.x[ahead], 0.25), 1.5, atol=1e-3)
 
 
 def test_a_contact_that_slips_from_the_front_of_a_wave_on_follows_it_as_a_plane_wave():
     """V = 2 (Q - f P) / M(p), with M = sqrt(1 - p^2) in mode III, ahead of the waves of the tip."""
     scene = sf.Scene(UNIT, 0.2, PRESSED, sf.IncidentWave("SH", 30.0, 0.4), mode="antiplane")
-    marched = march(scene, end_time=0.5, nodes=60, length=1.2, companion=False)
+    marched = march(scene, end_time=0.5, nodes=60, length=1.2, estimate=False)
     excess = 0.2 - abs(scene.superposition.in_place.shear)
     assert marched.slip_rate(0.7, 0.5) == pytest.approx(2 * excess / np.sqrt(0.75), rel=0.01)
     assert marched.slip_rate(1.05, 0.5) == 0  # the front has come to t / p = 1
@@ -177,8 +177,8 @@ def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     part = march(scene, end_time=0.3, nodes=40, length=1.2, latest=0.6)
     part.save(tmp_path / "part.h5")
     longer = gone_on(sf.Marched.load(tmp_path / "part.h5"), 0.6)
-    assert longer.entry == whole.entry > 0
-    x = whole.grid.x[2:]
+    assert longer.checkpoint.entry == whole.checkpoint.entry > 0
+    x = whole.interface.x[2:]
     off = longer.slip(x, 0.6) - whole.slip(x, 0.6)
     assert np.abs(off).max() < 0.02 * whole.max_slip(0.6)
     assert abs(longer.error_estimate / whole.error_estimate - 1) < 0.1

@@ -20,7 +20,7 @@ HARD = {"friction": 300.0, "base": (3.0, 0.3)}
 
 @cache
 def marched_once(scene, end_time, nodes):
-    return march(scene, end_time=end_time, nodes=nodes, companion=False)
+    return march(scene, end_time=end_time, nodes=nodes, estimate=False)
 
 
 def points(scene, count, far=1.2):
@@ -138,7 +138,7 @@ def test_kinks_on_a_stuck_interface_are_superposed(mode):
         shear_history=sf.Pulse(0.6, "triangle"),
         pressure_history=sf.Tabulated((0.0, 0.2, 0.2, 0.5), (0.0, 1.0, 0.5, 0.9)),
     )
-    marched, (x, y) = (march(scene, nodes=256, companion=False), points(scene, 60))
+    marched, (x, y) = (march(scene, nodes=256, estimate=False), points(scene, 60))
     velocity = marched.velocity(x, y, 0.93)
     assert marched.interface.slip.max() == 0
     assert off_by(velocity, superposed(scene, x, y, 0.93), 0.0) < 1e-3
@@ -148,7 +148,7 @@ def test_far_behind_the_edge_the_slot_sends_plane_waves():
     scene = unit_scene(
         **HARD, load=(0.4, 1.0), shear_history=sf.Ramp(0.5), pressure_history=sf.Ramp(0.25)
     )
-    marched, solid = march(scene, nodes=64, companion=False), scene.material
+    marched, solid = march(scene, nodes=64, estimate=False), scene.material
     y = np.array([0.6, -0.6, 1.9])
     v_x, v_y = marched.velocity(-50.0, y, 0.9)
     sheared = scene.load.shear * scene.shear_history.value(0.9 - np.abs(y))
@@ -171,7 +171,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
         pressure_history=sf.Ramp(0.7),
         law=sf.SlipWeakening(1.0, 0.5, 0.1),
     )
-    marched = march(scene, nodes=64, companion=False)
+    marched = march(scene, nodes=64, estimate=False)
     x, y, step = *np.array([[-0.6, -0.3, 0.7], [0.3, -0.35, -0.25]]), 1e-3
 
     def slope(dx, dy, dt):
@@ -194,7 +194,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
 
 @pytest.mark.slow
 def test_many_depths_are_interpolated(monkeypatch):
-    marched = march(find_scene("ramp"), nodes=128, companion=False)
+    marched = march(find_scene("ramp"), nodes=128, estimate=False)
     x = np.linspace(-1.5, 1.5, 41)
     y = np.linspace(0.05, 2.0, 41)
     each = marched.stress(x, y, 1.0)
@@ -204,7 +204,7 @@ def test_many_depths_are_interpolated(monkeypatch):
 
 
 def test_before_the_load_there_is_the_base():
-    marched = march(find_scene("remote-shock"), nodes=32, companion=False)
+    marched = march(find_scene("remote-shock"), nodes=32, estimate=False)
     np.testing.assert_array_equal(marched.stress(0.3, [0.1, -0.1], 0.0).T, [[0, -1, 1]] * 2)
     assert marched.velocity(0.3, np.zeros((4, 1)), np.zeros(5)).shape == (2, 4, 5)
 
@@ -228,7 +228,7 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
         shear_history=sf.Pulse(0.8, "triangle"),
         law=sf.SlipWeakening(1.0, 0.6, 0.05),
     )
-    marched, off = march(scene, nodes=400, companion=False), []
+    marched, off = march(scene, nodes=400, estimate=False), []
     for resolution in (16, 32):
         folder = tmp_path / str(resolution)
         simulate(scene, 1.0, resolution=resolution, snapshots=folder, frames=1)
@@ -253,14 +253,14 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
     ],
 )
 def test_what_the_march_does_not_determine_is_refused(at, reason):
-    marched = march(find_scene("preloaded"), end_time=1.0, nodes=32, length=0.5, companion=False)
+    marched = march(find_scene("preloaded"), end_time=1.0, nodes=32, length=0.5, estimate=False)
     with pytest.raises(sf.SceneError, match=reason):
         marched.velocity(*at)
 
 
 def test_a_short_contact_determines_what_waves_from_beyond_have_not_reached():
     scene = find_scene("preloaded")
-    short = march(scene, end_time=1.0, nodes=64, length=0.8, companion=False)
+    short = march(scene, end_time=1.0, nodes=64, length=0.8, estimate=False)
     x, y, t = np.array([0.2, -0.4, 0.9]), np.array([0.3, -0.5, 0.9]), np.array([0.5, 0.9, 0.8])
     exact = sf.solve(scene).velocity(x, y, t)
     assert np.abs(short.velocity(x, y, t) - exact).max() < 5e-3

@@ -24,7 +24,7 @@ def slip(scene):
     """Slip at x when a shear wave has come to 1, over the load over the shear modulus."""
     end, marched = 1 / scene.material.shear_speed, not scene.is_self_similar
     answer = (
-        solve(scene, method="space-time", end_time=end, nodes=120, companion=False)
+        solve(scene, method="space-time", end_time=end, nodes=120, estimate=False)
         if marched
         else solve(scene, method="self-similar")
     )

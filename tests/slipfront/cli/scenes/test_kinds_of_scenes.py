@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic import Marched, Run, find, solve
+from semianalytic import Marched, find, solve
 
 # --- whole lines and growing loads ----------------------------------------------------------------
 
@@ -169,7 +169,7 @@ def test_solve_marches_saves_and_goes_on(tmp_path, shown, printed):
     length = Marched.load("march.h5").interface.x[-1]
     whole = solve(find("harmonic"), method="space-time", end_time=1.0, nodes=120, length=length)
     assert document["frictional_work"] == pytest.approx(
-        whole.final_work_density.sum() * whole.grid.spacing, rel=0.05
+        whole.final_work_density.sum() * whole.spacing, rel=0.05
     )
 
 
@@ -184,7 +184,7 @@ def test_interrupted_march_is_saved(monkeypatch, shown, printed):
         patch.setattr("compare.output.progress.progress_bar", pressing)
         said = shown("solve harmonic --nodes 100 --save march.h5", 130).err
     assert "holds the march until" in " ".join(said.split())
-    assert Marched.load("march.h5").statistics.steps == 30
+    assert Marched.load("march.h5").steps == 30
     printed("solve harmonic --go-on march.h5")
 
     @contextmanager
@@ -195,7 +195,7 @@ def test_interrupted_march_is_saved(monkeypatch, shown, printed):
     with monkeypatch.context() as patch:
         patch.setattr("compare.output.progress.progress_bar", soon)
         shown("solve supershear --nodes 128 --save line.h5 --no-estimate", 130)
-    assert 0 < Run.load("line.h5").end_time < 30
+    assert 0 < Marched.load("line.h5").end_time < 30
 
 
 def test_going_on_with_another_scene_is_refused(tmp_path, refused):
