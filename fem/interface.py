@@ -30,12 +30,19 @@ class ContactFace(NamedTuple):
 
     The scale is one over the root of the mass of each unknown, with a sign: 1 for an upper face;
     for a lower one, whose body is described by its mirror image, 1 across the interface and -1
-    along it.
+    along it.  What a force gives is less where a dashpot resists, and nothing where a side is held.
     """
 
     body: MarchedBody
     unknowns: NDArray[np.int64]
     scale: Array
+    given: Array
+
+    @classmethod
+    def of(cls, body: MarchedBody, unknowns: NDArray[np.int64], sign: float = 1.0) -> ContactFace:
+        """Return the face of some unknowns of a body."""
+        scale = sign / body.root[unknowns]
+        return cls(body, unknowns, scale, scale * body.ease[unknowns])
 
 
 @dataclass(frozen=True)
@@ -54,8 +61,10 @@ class FacePair:
     def compliance(self) -> Array:
         """Change c = dt^2 L (1/m + 1/m') of the relative increment per traction, (n,)."""
         # a lower face that is not there moves oppositely: the jump is twice the upper motion
-        inertia = (3 - len(self.faces)) * sum(face.scale**2 for face in self.faces)
-        return np.asarray(self.step**2 * self.length * inertia)
+        inertia = (3 - len(self.faces)) * sum(face.scale * face.given for face in self.faces)
+        # pairs held on both sides do not move, whatever their traction
+        held = inertia == 0
+        return np.asarray(self.step**2 * self.length * np.where(held, 1.0, inertia))
 
     def _jump(self, name: str) -> Array:
         """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
@@ -88,7 +97,7 @@ class FacePair:
         # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
         change = self.step**2 * force
         for face in self.faces:
-            face.body.increment[face.unknowns] += change * face.scale
+            face.body.increment[face.unknowns] += change * face.given
         return force
 
 

@@ -29,10 +29,10 @@ def kick_means(history: LoadHistory, step: float, steps: int) -> Array:
     """Return the mean of f(t) over the interval of each kick of a step dt [time], (steps + 1,)."""
     if history.pieces == Step().pieces:
         return np.ones(steps + 1)
-    return history.mean(*_kick(np.arange(steps + 1), step))
+    return history.mean(*kick_interval(np.arange(steps + 1), step))
 
 
-def _kick(level: ArrayLike, step: float) -> tuple[Array, Array]:
+def kick_interval(level: ArrayLike, step: float) -> tuple[Array, Array]:
     """Return the beginning and the end of the intervals that kicks at levels stand for [time]."""
     level = np.asarray(level, dtype=float)
     return np.maximum(level - 0.5, 0.0) * step, (level + 0.5) * step
@@ -104,7 +104,7 @@ class SceneTractions:
 
     def _spread(self, delay: Array, level: int) -> tuple[Array, Array]:
         """Return the means of both f(t - p x) over a kick and the places (k, n) of each node."""
-        start, end = _kick(level, self.step)
+        start, end = kick_interval(level, self.step)
         shear, pressure = (
             np.asarray(history.mean(start - delay, end - delay).mean(axis=1))
             for history in self.histories

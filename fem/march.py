@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +13,10 @@ from skfem import MeshQuad
 
 from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
 from fem.interface import ContactFace, FacePair, Joint
+from fem.loading import kick_interval
 from fem.stepping import MarchedBody, highest_frequency, normalised
 from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.material import Material
 
 RATE_WINDOW = 2.8
@@ -67,17 +70,19 @@ def face_pair(
     length: NDArray[np.float64],
     step: float,
     component: int,
+    firsts: Sequence[int] = (0, 0),
 ) -> FacePair:
     """Return one component of motion of nodes with given numbers on the faces of bodies.
 
-    Bodies are the upper one and, unless it moves oppositely, the lower one.
+    Bodies are the upper one and, unless it moves oppositely, the lower one; in each, numbers count
+    from a first node on.
     """
     faces = []
-    for body, sign in zip(bodies, (1.0, -1.0), strict=False):
-        unknowns = unknowns_of(numbers, component, body.components)
+    for body, sign, first in zip(bodies, (1.0, -1.0), firsts, strict=False):
+        unknowns = unknowns_of(first + numbers, component, body.components)
         # the lower body is described by its mirror image, whose u_y is the opposite
         sign = 1.0 if component == Y else sign
-        faces.append(ContactFace(body, unknowns, sign / body.root[unknowns]))
+        faces.append(ContactFace.of(body, unknowns, sign))
     return FacePair(faces, length, step)
 
 
@@ -111,6 +116,43 @@ class Walls:
         upper[self.across] = lower[0][self.across] = even
 
 
+@dataclass
+class SidePush:
+    """Tractions on a side of a body that change with time.
+
+    Parameters
+    ----------
+    face : ContactFace
+        Unknowns of the side, each once.
+    force : (k,) array
+        Force on them where the history is 1 [stress length].
+    history : LoadHistory
+    step : float
+        dt [time].
+    """
+
+    face: ContactFace
+    force: NDArray[np.float64]
+    history: LoadHistory
+    step: float
+
+    def __post_init__(self) -> None:
+        self.now = np.zeros_like(self.force)
+        self.work = self.done = 0.0
+
+    def act(self, level: int, part: float) -> None:
+        """Push at a level; the work is that up to the middle of the step before."""
+        mean = float(self.history.mean(*kick_interval(level, self.step)))
+        self.now, self.work = part * mean * self.force, self.done
+        self.face.body.increment[self.face.unknowns] += self.step**2 * self.now * self.face.given
+
+    def drift(self) -> None:
+        """Add the work of the last push, once its increment is known."""
+        body, unknowns = self.face.body, self.face.unknowns
+        twice = (body.before[unknowns] + body.increment[unknowns]) * self.face.scale
+        self.done += float(self.now @ twice) / 2
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class March:
     """Bodies and joint at rest, ready for one march in time.
@@ -126,6 +168,8 @@ class March:
         Number of blocks that a body stands for: 2 where the lower one moves oppositely.
     walls : Walls or None
         Side walls that are not free.
+    pushes : sequence of SidePush
+        Tractions on other sides than the joint.
     """
 
     bodies: list[MarchedBody]
@@ -133,6 +177,7 @@ class March:
     time_step: float
     copies: int
     walls: Walls | None = None
+    pushes: Sequence[SidePush] = ()
 
     @property
     def unknowns(self) -> int:
@@ -151,10 +196,15 @@ class March:
             )
         if self.walls is not None:
             self.walls.hold()
-        self.joint.act(level, 1.0 if level else 0.5)
+        part = 1.0 if level else 0.5
+        for push in self.pushes:
+            push.act(level, part)
+        self.joint.act(level, part)
 
     def drift(self) -> None:
         """Move the bodies on to the next time level, after its kick."""
+        for push in self.pushes:
+            push.drift()
         for body in self.bodies:
             body.drift()
 
@@ -163,4 +213,5 @@ class March:
         bodies = np.sum([body.energy for body in self.bodies], axis=0)
         kinetic, strain, damping = bodies * self.copies / self.time_step**2
         friction, impact, external = self.joint.work
+        external += sum(push.work for push in self.pushes)
         return np.array([kinetic, strain, friction, damping, external, impact])

@@ -19,7 +19,7 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 12"
+FORMAT = "slipfront simulation 13"
 FILE_NAME = "simulation.h5"
 
 
@@ -201,8 +201,6 @@ class Simulation(SampledAnswer):
     seconds : dict
         Wall-clock time of each stage [s]: "mesh", "assembly", "steps" and, a part of the steps,
         "snapshots".
-    peak_memory : int
-        Largest memory of the process so far [bytes].
     run : str
         Identity of the run: the same for the same scene, options, mesh and versions.  Field
         snapshots carry it too.
@@ -245,7 +243,6 @@ class Simulation(SampledAnswer):
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
-    peak_memory: int
     run: str
     unwritten: str
     companion: Simulation | None = None

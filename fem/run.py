@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 import warnings
 from collections.abc import Callable, Iterator
 from os import PathLike
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+import fem  # specimens, whose modules build on this one, by their names
 from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
@@ -34,7 +34,7 @@ FIRST_JUDGED = 4
 
 @of_scene
 def simulate(
-    scene: Scene | str | PathLike[str],
+    scene: Scene | str | PathLike[str] | Any,
     end_time: float | None = None,
     settings: Settings | None = None,
     *,
@@ -55,8 +55,9 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str or path
-        Materials, friction law, tractions and load histories, or a name or file as for `find`.
+    scene : Scene, Specimen, str or path
+        Materials, friction law, tractions and load histories, or a name or file as for `find`.  Of
+        a specimen, end_time and the options of `Specimen.simulated` are taken.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -86,7 +87,7 @@ def simulate(
 
     Returns
     -------
-    Simulation
+    Simulation, or LineSimulation of a specimen
 
     Raises
     ------
@@ -116,6 +117,10 @@ def simulate(
     >>> round(float(run.max_slip(1.0)), 2)  # 0.83 in the limit of fine meshes
     0.58
     """
+    specimen = fem.find_specimen(scene)
+    if specimen is not None:
+        simulation: Any = specimen.simulated(end_time, progress=progress, **options)
+        return simulation
     plan = make_plan(scene, end_time, settings, options, full=snapshots is not None)
     pace = Pace(checkpoint_every, checkpoint_seconds)
     if resume and checkpoint is None:
@@ -197,7 +202,6 @@ def run_plan(
         steps=model.steps,
         unknowns=model.unknowns,
         seconds=seconds,
-        peak_memory=peak_memory(),
         run=run,
         unwritten=pictures.missing if pictures else "",
         **record.results(),
@@ -257,55 +261,3 @@ def _check_stable(model: Model, step: int, work: float) -> float:
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )
     return work
-
-
-def peak_memory() -> int:
-    """Return the largest memory of this process since its program started [bytes].
-
-    It is not `ru_maxrss`, which on Linux includes that of the process it was started from.
-    """
-    status = Path("/proc/self/status")
-    if status.exists():
-        lines = dict(
-            line.split(":", 1)
-            for line in status.read_text(encoding="utf-8").splitlines()
-            if ":" in line
-        )
-        if "VmHWM" in lines:
-            return 1024 * int(lines["VmHWM"].split()[0])
-    if sys.platform == "win32":
-        return _peak_on_windows()
-    import resource
-
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else 1024 * peak
-
-
-def _peak_on_windows() -> int:
-    """Return PeakWorkingSetSize of PROCESS_MEMORY_COUNTERS [bytes]; 0 if it is not known."""
-    import ctypes
-
-    if sys.platform != "win32":
-        return 0
-    names = (
-        "peak",
-        "working_set",
-        "paged_peak",
-        "paged",
-        "other_peak",
-        "other",
-        "file",
-        "file_peak",
-    )
-    fields = [("size", ctypes.c_uint32), ("faults", ctypes.c_uint32)]
-
-    class Counters(ctypes.Structure):
-        _fields_ = [*fields, *((name, ctypes.c_size_t) for name in names)]
-
-    counters = Counters(size=ctypes.sizeof(Counters))
-    kernel = ctypes.WinDLL("kernel32")
-    kernel.GetCurrentProcess.restype = ctypes.c_void_p
-    kernel.K32GetProcessMemoryInfo.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint32]
-    process = kernel.GetCurrentProcess()
-    told = kernel.K32GetProcessMemoryInfo(process, ctypes.byref(counters), counters.size)
-    return int(counters.peak) if told else 0

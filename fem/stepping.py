@@ -99,10 +99,10 @@ class MarchedBody:
         eta / dt.
     arrival : (nodes,) array
         Times from which the nodes may move, increasing [time].
-    absorbing : (k,) array
-        Unknowns of sides that absorb plane waves by dashpots.
+    sides : (k,) array
+        Unknowns of sides that are held, or absorb plane waves by dashpots.
     absorption : (k,) array
-        c dt / (2 m) of these unknowns, c being the dashpot of each [mass / time].
+        z = c dt / (2 m) of these unknowns, c being the dashpot of each [mass / time]; inf if held.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class MarchedBody:
     root: NDArray[np.float64]
     damping: float
     arrival: NDArray[np.float64]
-    absorbing: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    sides: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     absorption: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
@@ -131,6 +131,10 @@ class MarchedBody:
         self.increment = np.zeros(unknowns)
         self.energy = BodyEnergy(0.0, 0.0, 0.0)
         self.active = 0
+        # what dashpots let pass of an impulse
+        self.ease = np.ones(unknowns)
+        self.ease[self.sides] = 1 / (1 + self.absorption)
+        self._z = np.where(self.absorption < np.inf, self.absorption, 0.0)
         self._damped = np.zeros(unknowns)  # U + (eta/dt) D
         self._force: dict[int, NDArray[np.float64]] = {}  # of each strip, by its first unknown
         self._strips: list[tuple[slice, sparse.csr_array]] = []
@@ -158,14 +162,16 @@ class MarchedBody:
         self.before, self.increment = self.increment, self.before
         self._taken = taken
         self._settle(kinetic, now, taken)
-        if len(self.absorption):
-            before, z = self.before[self.absorbing], self.absorption
-            after = (self.increment[self.absorbing] - z * before) / (1 + z)
-            self.increment[self.absorbing] = after
-            self._inside += float(z @ (before + after) ** 2) / 2
+        if len(self.sides):
+            resisted = self._z * self.before[self.sides]
+            slowed = (self.increment[self.sides] - resisted) * self.ease[self.sides]
+            self.increment[self.sides] = slowed
 
     def drift(self) -> None:
         """Move on to the next level, after the kick and all tractions."""
+        if len(self.sides):
+            twice = self.before[self.sides] + self.increment[self.sides]
+            self._inside += float(self._z @ twice**2) / 2
         # a force at t_n does work on the mean of the increments before and after it
         self._inside += (self._taken + self._sum(self._drift_strip)[0]) / 2
 

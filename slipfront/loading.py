@@ -27,7 +27,7 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
 
     Returns
     -------
-    Solution, Marched, Simulation or InterfaceHistory
+    Solution, Marched, Simulation, LineSimulation or InterfaceHistory
         The answer as it was saved; an exact one is solved again.
 
     Raises
@@ -55,6 +55,11 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
         from fem.results import load_simulation
 
         return load_simulation(path if path.is_dir() else path.parent)
+    if kind == "slipfront specimen":
+        from fem.lines.march import SPECIMEN_FORMAT, LineSimulation
+
+        found = "a specimen that was simulated"
+        return read_answer(path, SPECIMEN_FORMAT, LineSimulation, found, "simulate it again")
     if kind == "slipfront march":
         from semianalytic.engine.marched import Marched
 

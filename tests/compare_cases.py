@@ -98,7 +98,6 @@ def sampled_run(
         slot=SlotHistory(-x[::-1], t, velocity_x[:, ::-1], velocity_y[:, ::-1]),
         energy=EnergyHistory(t, *np.zeros((6, times + 1))),
         seconds={"steps": 0.0},
-        peak_memory=0,
         run="sampled",
         unwritten="",
         companion=coarser,

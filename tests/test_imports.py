@@ -266,7 +266,8 @@ ALONG_LINE = {
         "result.py",
         "steps.py",
     ),
-    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py", "quoted.py"),
+    *("case.py", "comparing.py", "along.py", "on_line.py", "documents.py", "data.py"),
+    *("quoted.py", "specimen.py"),
 }
 """Files of scenes on a line, whose loads act beside the base."""
 

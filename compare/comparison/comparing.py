@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import planned, predict_like
@@ -12,11 +12,14 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import find
 from semianalytic.scene.scene import Scene
 
+if TYPE_CHECKING:
+    from fem import Specimen
+
 __all__ = ["compare"]
 
 
 def compare(
-    problem: Scene | str | PathLike[str],
+    problem: Scene | Specimen | str | PathLike[str],
     end_time: float | None = None,
     *,
     method: str = "auto",
@@ -28,7 +31,7 @@ def compare(
     Parameters
     ----------
     problem : Scene, str or path
-        The problem, or its name or file as for `find`.
+        The problem, or its name or file as for `find`; it may be a Specimen.
     end_time : float, optional
         Last time [time]; by default that of the scene, or the time a shear wave takes over a length
         of 1 in the units of the scene.
@@ -38,7 +41,7 @@ def compare(
         Time that the simulation of a scene may take [s]; about a minute by default.
     **settings
         Settings of `simulate`, such as resolution, or, on a line, nodes, mesh_nodes and
-        settings of its run.
+        settings of its run; of a specimen, size, damping and step_ratio.
 
     Returns
     -------
@@ -63,6 +66,12 @@ def compare(
     >>> judged.verdict, len(judged.rows) > 10
     ('agrees', True)
     """
+    from fem.lines.plates import find_specimen
+
+    if (specimen := find_specimen(problem)) is not None:
+        from compare.comparison.interfaces.specimens import compare_specimen
+
+        return compare_specimen(specimen, end_time, **settings)
     found: Any = find(problem) if isinstance(problem, str | PathLike) else problem
     if not isinstance(found, Scene):
         raise SceneError(f"compare: problem must be a Scene, got {shown(found)}.")

@@ -8,18 +8,21 @@ rho c per area on each node.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, Space, Y
+from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, Space, X, Y
 from fem.lines.line import Line
 from fem.march import body_matrix, highest_of_patch
 from fem.stepping import MarchedBody, critical_step
 from meshes.blocks import causal_margin
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
 
 Array = NDArray[np.float64]
@@ -36,21 +39,39 @@ MOST_WORK = 5e11
 """Unknowns times steps that are accepted, which take one to two hours."""
 
 
+SIDES: Mapping[str, tuple[bool, bool, bool]] = {
+    "free": (False, False, False),
+    "clamped": (True, True, False),
+    "roller": (True, False, False),
+    "guided": (False, True, False),
+    "absorbing": (False, False, True),
+}
+"""Whether a side holds motion across it, holds motion along it, and absorbs plane waves."""
+
+
 @dataclass(frozen=True)
 class LineBlock:
-    """One block of the mesh, before it is assembled.
+    """One block of squares, before it is assembled.
 
     Attributes
     ----------
     material : Material
     columns, rows : int
-        Nodes of a period, and rows of squares.
+        Columns of nodes, and rows of squares.
     size : float
         Side of the squares [length].
     damping_time : float
         eta of the damping C = eta K [time].
     components : tuple of int
         Displacement components.
+    sides : mapping
+        Kind, of `SIDES`, of the sides "far", "left" and "right"; without the last two the block is
+        periodic.
+    first : int
+        Column of the first node of the joint.
+    load : (n,) array, optional
+        Forces on its unknowns [stress length], which follow a history from t = 0 on.
+    history : LoadHistory
     """
 
     material: Material
@@ -58,7 +79,11 @@ class LineBlock:
     rows: int
     size: float
     damping_time: float
-    components: tuple[int, ...]
+    components: tuple[int, ...] = IN_PLANE
+    sides: Mapping[str, str] = field(default_factory=lambda: {"far": "absorbing"})
+    first: int = 0
+    load: Array | None = None
+    history: LoadHistory = field(default_factory=Step)
 
     @property
     def fastest(self) -> float:
@@ -73,30 +98,58 @@ class LineBlock:
 
     @property
     def critical_step(self) -> float:
-        """Largest stable step [time], that of a free patch, which no periodic block exceeds."""
+        """Largest stable step [time], that of a free patch, which no larger block exceeds."""
         highest = highest_of_patch(self.size, self.material, self.components)
         return critical_step(highest, self.damping_time)
 
+    @cached_property
+    def mesh(self) -> tuple[Space, NDArray[np.int64]]:
+        """Mesh from x = 0 on, and the number of each of its nodes, row by row from the joint."""
+        across = self.columns - 1 if "left" in self.sides else self.columns
+        along, away = (self.size * np.arange(count + 1.0) for count in (across, self.rows))
+        space = Space(MeshQuad.init_tensor(along, away))
+        column, row = np.rint(space.points / self.size).astype(np.int64)
+        # the last column of nodes of a periodic block is the first one again
+        return space, self.columns * row + column % self.columns
+
+    def side(self, name: str) -> tuple[NDArray[np.int64], Array]:
+        """Return the nodes of a side and the length of it that belongs to each."""
+        numbers = np.arange(self.columns * (self.rows + 1)).reshape(-1, self.columns)
+        nodes = {"far": numbers[-1], "left": numbers[:, 0], "right": numbers[:, -1]}[name]
+        lengths = np.full(len(nodes), self.size)
+        if "left" in self.sides:
+            lengths[[0, -1]] /= 2
+        return nodes, lengths
+
+    def resistance(self) -> Array:
+        """Return the dashpot of each unknown (n,) [mass / time], inf where it is held."""
+        solid = self.material
+        dashpots = np.zeros(self.unknowns)
+        for name, kind in self.sides.items():
+            nodes, lengths = self.side(name)
+            *held, absorbs = SIDES[kind]
+            for index, component in enumerate(self.components):
+                is_across = component == (Y if name == "far" else X)
+                speed = solid.longitudinal_speed if is_across else solid.shear_speed
+                own = len(self.components) * nodes + index
+                dashpots[own] += solid.density * speed * lengths if absorbs else 0.0
+                dashpots[own] += np.inf if held[not is_across] else 0.0
+        return dashpots
+
     def assembled(self, step: float, end_time: float) -> MarchedBody:
         """Return the block at rest, for a time step and an end time [time]."""
-        size, columns, solid = self.size, self.columns, self.material
-        along, away = (size * np.arange(count + 1.0) for count in (columns, self.rows))
-        space = Space(MeshQuad.init_tensor(along, away))
-        # the last column of nodes is the first one again
-        column, row = np.rint(space.points / size).astype(np.int64)
-        place = columns * row + column % columns
-        matrix, root = body_matrix(space, solid, self.components, place)
+        matrix, root = body_matrix(self.mesh[0], self.material, self.components, self.mesh[1])
         matrix.data *= step**2
-        margin = causal_margin(self.fastest, end_time, size, self.damping_time)
-        arrival = np.repeat((away - margin) / self.fastest, columns)
-        speed = [
-            solid.longitudinal_speed if name == Y else solid.shear_speed for name in self.components
-        ]
-        dashpots = solid.density * np.tile(speed, columns) * size
-        far = np.arange(self.unknowns - len(dashpots), self.unknowns)
-        absorption = step * dashpots / (2 * root[far] ** 2)
+        margin = causal_margin(self.fastest, end_time, self.size, self.damping_time)
+        away = self.size * np.arange(self.rows + 1.0)
+        arrival = np.repeat((away - margin) / self.fastest, self.columns)
+        if self.load is not None and self.load.any():
+            arrival[:] = 0.0
+        dashpots = self.resistance()
+        sides = np.flatnonzero(dashpots)
+        absorption = step * dashpots[sides] / (2 * root[sides] ** 2)
         eta = self.damping_time / step
-        return MarchedBody(self.components, matrix, root, eta, arrival, far, absorption)
+        return MarchedBody(self.components, matrix, root, eta, arrival, sides, absorption)
 
 
 def make_blocks(line: Line, end_time: float, damping: float) -> list[LineBlock]:

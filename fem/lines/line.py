@@ -45,6 +45,9 @@ class Line:
         Whether slip is along z.
     plate_rate : float
         Slip rate of the bodies far away [length / time], at which they move at t = 0.
+    shares : pair of (n,) arrays, optional
+        Lengths of contact and of slot that belong to each node [length]; by default all of a node
+        is one of them.
     """
 
     upper: Material
@@ -59,6 +62,20 @@ class Line:
     opens: bool = False
     antiplane: bool = False
     plate_rate: float = 0.0
+    shares: tuple[Array, Array] | None = None
+
+    @property
+    def lengths(self) -> tuple[Array, Array]:
+        """Lengths of contact and of slot that belong to each node, (n,) [length]."""
+        if self.shares is not None:
+            return self.shares
+        contact = np.where(self.touching, self.spacing, 0.0)
+        return contact, self.spacing - contact
+
+    @property
+    def slots(self) -> NDArray[np.bool_]:
+        """Whether some of a node's length is slot, (n,)."""
+        return self.lengths[1] > 0
 
     @property
     def spacing(self) -> float:

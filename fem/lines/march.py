@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.elements.assembly import X, Y, Z
-from fem.interface import FaceMotion, FacePair, Joint, KickTractions
+from fem.interface import ContactFace, FaceMotion, FacePair, Joint, KickTractions
 from fem.lines.blocks import LineBlock, check_work, make_blocks
+from fem.lines.gauges import GaugeHistory, Gauges
 from fem.lines.line import Line, Tractions
-from fem.march import March, face_pair, half_window
+from fem.march import March, SidePush, face_pair, half_window
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size
 
@@ -27,6 +28,7 @@ SAMPLES = 20
 """Times at which fields are kept."""
 DAMPING = 0.02
 """Damping of each block, as that of `fem.settings.Settings`."""
+SPECIMEN_FORMAT = "slipfront specimen 1"
 STEP_RATIO = 0.95
 """Time step over the critical one."""
 
@@ -59,6 +61,8 @@ class LineSimulation:
     steps, unknowns : int
     seconds : float
         Wall-clock time [s].
+    gauges : GaugeHistory or None
+        Motion at points of the blocks of a specimen.
     """
 
     x: Array
@@ -76,6 +80,7 @@ class LineSimulation:
     steps: int
     unknowns: int
     seconds: float
+    gauges: GaugeHistory | None = None
 
     @property
     def nodes(self) -> int:
@@ -88,14 +93,12 @@ class LineTractions:
 
     def __init__(self, line: Line, step: float) -> None:
         self.line, self.step = line, step
-        self.shear, self.pressure = (
-            of(0.0)[0][~line.touching] for of in (line.shear, line.pressure)
-        )
+        self.shear, self.pressure = (of(0.0)[0][line.slots] for of in (line.shear, line.pressure))
 
     def __call__(self, level: int) -> KickTractions:
         """Return the tractions of a kick."""
         line, time = self.line, level * self.step
-        on, slots = line.touching, ~line.touching
+        on, slots = line.touching, line.slots
         shear, slot_shear = kick_tractions(line.shear, time)
         self.shear, along = slot_shear[slots], (shear - slot_shear)[slots]
         if not line.opens:
@@ -109,16 +112,22 @@ def build_line(line: Line, blocks: list[LineBlock], step: float, end_time: float
     """Return the bodies and the joint of a line at rest, for a time step [time]."""
     bodies = [block.assembled(step, end_time) for block in blocks]
 
-    def motion(on: NDArray[np.bool_]) -> FaceMotion:
-        """Return the motion of some of the nodes."""
-        nodes = np.flatnonzero(on)
-        of = partial(face_pair, bodies, nodes, np.full(len(nodes), line.spacing), step)
+    def motion(lengths: Array) -> FaceMotion:
+        """Return the motion of the nodes that have some length."""
+        nodes, firsts = np.flatnonzero(lengths), [block.first for block in blocks]
+        of = partial(face_pair, bodies, nodes, lengths[nodes], step, firsts=firsts)
         return FaceMotion(of(Z if line.antiplane else X), of(Y) if line.opens else None)
 
-    contact, slot = motion(line.touching), motion(~line.touching)
+    contact, slot = map(motion, line.lengths)
     tractions, pressure = LineTractions(line, step), line.pressure(0.0)[0][line.touching]
     joint = Joint(line.friction, line.state, contact, slot, tractions, pressure, line.plate_rate)
-    return March(bodies=bodies, joint=joint, time_step=step, copies=2 if line.is_odd else 1)
+    pushes = []
+    for block, body in zip(blocks, bodies, strict=True):
+        if block.load is not None and (pushed := np.flatnonzero(block.load)).size:
+            face = ContactFace.of(body, pushed)
+            pushes.append(SidePush(face, block.load[pushed], block.history, step))
+    copies = 2 if line.is_odd else 1
+    return March(bodies=bodies, joint=joint, time_step=step, copies=copies, pushes=pushes)
 
 
 def kick_tractions(tractions: Tractions, time: float) -> tuple[Array, Array]:
@@ -193,9 +202,23 @@ def simulate_line(
     0.8
     """
     end_time = checked_size("simulate: end_time", end_time)
+    blocks = make_blocks(line, end_time, damping)
+    return marched(line, blocks, end_time, samples, step_ratio, progress)
+
+
+def marched(
+    line: Line,
+    blocks: list[LineBlock],
+    end_time: float,
+    samples: int,
+    step_ratio: float,
+    progress: Progress | None,
+    gauges: Gauges | None = None,
+) -> LineSimulation:
+    """March blocks until T [time] and return what is recorded; raises as `simulate_line`."""
+    end_time = checked_size("simulate: end_time", end_time)
     samples = checked_count("simulate: samples", samples, 1, "a whole number of at least")
     started = clock.perf_counter()
-    blocks = make_blocks(line, end_time, damping)
     steps = count_steps(blocks, end_time, samples, step_ratio)
     step = end_time / steps
     check_work(blocks, steps)
@@ -207,6 +230,8 @@ def simulate_line(
         for level in range(steps + window + 1):
             march.kick(level)
             record.level(level)
+            if gauges is not None:
+                gauges.level(march)
             march.drift()
             if interruption.pressed:
                 raise KeyboardInterrupt
@@ -221,6 +246,7 @@ def simulate_line(
         steps=steps,
         unknowns=march.unknowns,
         seconds=clock.perf_counter() - started,
+        gauges=None if gauges is None else gauges.history(step, steps),
     )
 
 
@@ -296,7 +322,8 @@ class _LineRecord:
     def _whole(self, contact: float | Array, slots: float | Array) -> Array:
         """Return values at all nodes (n,), from those on the contact and on slots."""
         values = np.empty(len(self.line.x))
-        values[self.line.touching], values[~self.line.touching] = contact, slots
+        values[self.line.slots] = slots
+        values[self.line.touching] = contact
         return values
 
     def fields(self) -> dict[str, Array]:

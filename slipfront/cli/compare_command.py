@@ -39,12 +39,17 @@ from semianalytic.scene.given.finding import (
 )
 from semianalytic.scene.given.named import DEFAULT_SCENE
 from slipfront.cli import options, terminal
-from slipfront.cli.endings.refusals import check_converged, refuse_given, without_effect
+from slipfront.cli.endings.refusals import (
+    check_converged,
+    refuse_given,
+    specimen_settings,
+    without_effect,
+)
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.simulate_command import simulate_into, with_error_bars
 
 if TYPE_CHECKING:
-    from fem import Simulation
+    from fem import Simulation, Specimen
 
 
 _OPTIONS: Mapping[str, Any] = {
@@ -94,18 +99,28 @@ def compare_command(
     4 if the prediction has not converged.  Quantities that this mesh cannot resolve are listed.
     """
     along = {name: n for name, n in (("nodes", nodes), ("mesh_nodes", mesh_nodes)) if n is not None}
+    shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
+    require("slipfront compare", *FEM)
+    from fem.lines.plates import find_specimen
+
+    specimen = None if scene_name is None else find_specimen(scene_name)
+    if specimen is not None and scene_name is not None:
+        others = {**overrides, **lower, **along, "from": from_, "budget": budget}
+        given = specimen_settings(settings, others)
+        _compare_line(specimen, scene_name, given, output, **shown)
+        return
+    refuse_given({"size": settings.get("size")}, "is for specimens; this one takes --resolution")
     if scene_name is not None and (found := find(scene_name)).on_line:
         scenes = {"from": from_, "budget": budget}
         reason = f"is for scenes with a slot; leave it out for {scene_name}"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
         given = {name: n for name, n in settings.items() if name == "end_time"}
-        given |= {name: n for name, n in along.items() if name == "nodes"}
-        shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
+        given |= along
         found = override_scene(found, **overrides, **lower)
-        _compare_line(found, scene_name, given, mesh_nodes, output, **shown)
+        _compare_line(found, scene_name, given, output, **shown)
         return
     refuse_given(along, "is for scenes on a line; this one takes --resolution")
-    require("slipfront compare", *FEM, *PLOT)
+    require("slipfront compare", *PLOT)
     seconds, snapshots = options.in_seconds(budget), not no_snapshots
     prediction: Solution | PairSolution | Marched | None = None
     if from_ is not None:
@@ -212,31 +227,29 @@ def _earlier_simulation(
 
 
 def _compare_line(
-    scene: Scene,
+    problem: Scene | Specimen,
     source: str,
     settings: dict[str, Any],
-    mesh_nodes: int | None,
     output: Path | None,
     *,
     everything: bool,
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """March and simulate a scene with settings of `compare`, and judge both.
+    """March and simulate a scene on a line, or a specimen, with settings of `compare`; judge both.
 
     All rows are written to a folder if one is given.  An unresolved run is printed, and raises a
     ComputationError.
     """
-    require("slipfront compare", *FEM)
     with progress_bar(Console(stderr=True), quiet or as_json, "simulating") as show:
-        judgement = compare(scene, **settings, mesh_nodes=mesh_nodes, progress=show)
+        judgement = compare(problem, **settings, progress=show)
     case: Any = judgement.case
     done = case.run
     meshes = [
         {name: getattr(simulation, name) for name in ("nodes", "steps", "unknowns", "imbalance")}
         for simulation in case.simulations
     ]
-    comparison = {**judged_document(judgement), "meshes": meshes}
+    comparison = {**judged_document(judgement), "until": case.until, "meshes": meshes}
     document = {**march_document(done), "status": judgement.verdict, "comparison": comparison}
     files = [] if output is None else [output / REPORT, output / PAGE]
     if output is not None:
@@ -248,10 +261,10 @@ def _compare_line(
         finest = case.simulations[0]
         title = (
             f"{source}: {done.nodes} nodes against finite elements, {finest.nodes} along the "
-            f"interface, {finest.steps} steps"
+            f"interface, {finest.steps} steps{case.later}"
         )
         headings = {"at_nodes": "run", "simulated": "FEM"}
-        named = ("nodes", "mesh_nodes")
+        named = ("nodes", "mesh_nodes", "size")
         terminal.print_judgement(judgement, title, headings, named, everything=everything)
     if judgement.verdict == DIFFERS:
         raise typer.Exit(1)

@@ -222,11 +222,12 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "Finite elements",
         text,
         *MESH_NAMES.get(name, ()),
-        dimension="time" if name == "end_time" else "",
+        dimension={"end_time": "time", "size": "length"}.get(name, ""),
     )
     for name, (type_, text) in {
         "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t by default."),
         "resolution": (int, "Elements per c_t T; 100 by default, and compare can choose it."),
+        "size": (float, "Side of the squares of a specimen [length]."),
         "damping": (float, "Kelvin–Voigt time over h / c_t; 0.02 by default."),
         "step_ratio": (float, "Time step over the critical one; 0.95 by default."),
         "model": (str, "Blocks to mesh; auto by default."),

@@ -22,9 +22,10 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.given.finding import find_scene, scene_folder, scene_label
 from slipfront.cli import options, terminal
+from slipfront.cli.endings.refusals import refuse_given, specimen_settings
 
 if TYPE_CHECKING:
-    from fem import Simulation
+    from fem import Simulation, Specimen
     from fem.budget import Cost
 
 Progress = Callable[[int, int], None]
@@ -68,6 +69,15 @@ def simulate_command(
     removes its checkpoint.  The lower block may be of another material.
     """
     require("slipfront simulate", *FEM)
+    from fem.lines.plates import find_specimen
+
+    specimen = find_specimen(scene_name)
+    if specimen is not None:
+        others = {**overrides, **lower, **{name: n for name, n in checkpoints.items() if n}}
+        given = specimen_settings(settings, others)
+        simulate_plates(specimen, given, scene_name, output, as_json=as_json, quiet=quiet)
+        return
+    refuse_given({"size": settings.get("size")}, "is for specimens; this one takes --resolution")
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, {**overrides, **lower})
     scene = override_scene(find_scene(scene_name), **overrides, **lower)
@@ -85,6 +95,43 @@ def simulate_command(
         )
     if as_json:
         terminal.print_json("simulate", simulation_document(simulation), files=files)
+        return
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def simulate_plates(
+    specimen: Specimen,
+    given: Mapping[str, Any],
+    source: str,
+    output: Path | None,
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Simulate a specimen with its own settings, or those given, and write `specimen.h5`."""
+    from compare.comparison.interfaces.specimens import specimen_document
+    from fem.lines.march import SPECIMEN_FORMAT
+    from semianalytic.results.saved import write_answer
+
+    notes, directory = Console(stderr=True), output or scene_folder(source, given)
+    with working_folder(directory) as files:
+        with progress_bar(notes, quiet) as progress:
+            done = specimen.simulated(**given, progress=progress)
+
+        def save(folder: Path) -> None:
+            write_answer(folder / "specimen.h5", SPECIMEN_FORMAT, done)
+
+        save_somewhere(save, directory)
+    document = specimen_document(specimen, done)
+    if not quiet:
+        notes.print(
+            f"{scene_label(source)}: {done.unknowns:,} unknowns, {done.steps} steps in "
+            f"{done.seconds:.2g} s, largest slip {document['largest_slip']:.4g}, largest gap "
+            f"{document['largest_gap']:.4g}",
+            highlight=False,
+        )
+    if as_json:
+        terminal.print_json("simulate", document, files=files)
         return
     Console().print(f"Written to {directory}/", highlight=False)
 

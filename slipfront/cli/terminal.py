@@ -208,7 +208,7 @@ def simulation_line(simulation: Simulation) -> str:
         f"mesh size {simulation.element_size:.4g} = {cell:.4g} c_t T, model {simulation.model}, "
         f"damping {simulation.damping:g} h/c_t, {simulation.unknowns:,} unknowns, "
         f"{simulation.steps} steps in {simulation.seconds['steps']:.2g} s, end time "
-        f"{simulation.end_time:g}, peak memory {simulation.peak_memory / 1e6:,.0f} MB"
+        f"{simulation.end_time:g}"
     )
 
 

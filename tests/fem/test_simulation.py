@@ -138,7 +138,6 @@ def test_histories_cover_first_node_to_front_and_zero_to_end():
     assert (np.diff(sim.energy.t) > 0).all()
     assert sim.time_step <= 0.95 * sim.critical_step
     assert set(sim.seconds) == {"mesh", "assembly", "steps"}
-    assert sim.peak_memory > 10e6
 
 
 def test_progress_counts_every_step():

@@ -97,6 +97,21 @@ class LineCase(Case):
         return tuple(run.line for run in runs)
 
     @property
+    def later(self) -> str:
+        """What follows the comparison with the run, in words."""
+        return ""
+
+    @property
+    def until(self) -> float:
+        """Last time at which both are compared [time]."""
+        return float(self.seen.t[-1])
+
+    @property
+    def checked(self) -> LineSimulation:
+        """Simulation in which laws are checked."""
+        return self.simulations[0]
+
+    @property
     def caution(self) -> str:
         """Why the run decides nothing; "" if it does."""
         return "" if self.run.status == "done" else f"the run is {self.run.status}"
@@ -259,7 +274,7 @@ class LineCase(Case):
 
     def _law_rows(self) -> Iterator[Row]:
         """Rows of what every correct simulation fulfils to rounding, over its largest values."""
-        run = self.simulations[0]
+        run = self.checked
         on, stress = run.touching, float(np.abs(run.strength).max(initial=0.0))
         excess = (np.abs(run.shear_traction) - run.strength)[:, on].max(initial=0.0)
         yield own_row(self, BEYOND, max(float(excess), 0.0) / (stress or 1.0), "largest strength")
@@ -289,8 +304,8 @@ class LineCase(Case):
 
         The stored pressure and strength are means, and strength is linear in pressure.
         """
-        finest, law = self.simulations[0], self.run.scene.law
-        on, size = finest.touching, self.run.scene.period / finest.nodes
+        finest, law = self.checked, self.run.scene.law
+        on, size = finest.touching, self.simulation.element_size
         if not follows_path(type(law)) or np.any(law.on(finest.x[on], size).pressure_delay(0.0)):
             return None
         law, pressure = law.on(finest.x[on], size), np.maximum(finest.pressure[:, on], 0.0)
@@ -306,7 +321,9 @@ class LineCase(Case):
         return np.where(opens, 0.0, np.min(found, axis=0)), np.max(found, axis=0)
 
 
-def line_case(done: Marched, simulations: Sequence[LineSimulation]) -> LineCase:
+def line_case(
+    done: Marched, simulations: Sequence[LineSimulation], kind: type[LineCase] = LineCase
+) -> LineCase:
     """Return the case of a run and of simulations on meshes of h, 2h and 4h; see
     `judge_interface`."""
     known = done.interface
@@ -319,10 +336,10 @@ def line_case(done: Marched, simulations: Sequence[LineSimulation]) -> LineCase:
         still = {name: np.nan_to_num(done.at(values, run.x)) for name, values in base.items()}
         fields = {name: values - still[name] for name, values in fields_of(run, UNITS).items()}
         changes = InterfaceHistory(run.x, run.t, *[fields[name] for name in FIELDS])
-        mesh = LineMesh(run, changes, run.nodes, done.scene.period / run.nodes, mesh)
+        mesh = LineMesh(run, changes, run.nodes, float(run.x[1] - run.x[0]), mesh)
     both: tuple[Any, Any] = done, mesh
     coarse = None if done.companion is None else predicted_changes(done.companion, simulations[0].x)
-    return LineCase(*both, predicted_changes(done, simulations[0].x), coarse)
+    return kind(*both, predicted_changes(done, simulations[0].x), coarse)
 
 
 def predicted_changes(done: Marched, x: Array) -> InterfaceHistory:

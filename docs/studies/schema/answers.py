@@ -18,6 +18,7 @@ from docs.studies.schema.vocabulary import (
     MATERIAL,
     NUMBER,
     SCENE,
+    SPECIMEN,
     TEXT,
     TRUTH,
     VERDICT,
@@ -237,6 +238,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 shape(
                     texts="verdict quoted caution",
                     counts=named(WHOLE),
+                    until=NUMBER,
                     meshes=list_of(shape("imbalance", wholes="nodes steps unknowns")),
                     rows=_JUDGED_ROWS,
                 ),
@@ -248,6 +250,17 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _SCENE_KEY,
             "finite_elements": Key("settings and cost of the simulation", _RUN),
             "own_bars": Key("error bars from coarser meshes", list_of(shape("bar", "name unit"))),
+        },
+        {
+            "scene": Key("the specimen, as its TOML file has it", SPECIMEN),
+            "finite_elements": Key(
+                "settings and cost of the simulation",
+                shape("end_time element_size time_step imbalance seconds", wholes="steps unknowns"),
+            ),
+            **{
+                f"largest_{name}": Key(f"largest {name.replace('_', ' ')} of the contact", NUMBER)
+                for name in ("slip", "slip_rate", "gap")
+            },
         },
     ),
     "field": (
@@ -295,7 +308,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                     shape(
                         texts="name what problem summary",
                         package=or_null(TEXT),
-                        scene=or_null(SCENE),
+                        scene=or_null({"anyOf": [SCENE, SPECIMEN]}),
                     )
                 ),
             ),
@@ -307,7 +320,9 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     ),
     "init": (
         {
-            "scene": Key("the scene, as its TOML file has it", or_null(SCENE)),
+            "scene": Key(
+                "the scene, as its TOML file has it", or_null({"anyOf": [SCENE, SPECIMEN]})
+            ),
             "text": Key("text of the TOML file", TEXT),
         },
     ),

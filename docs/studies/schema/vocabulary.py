@@ -80,6 +80,7 @@ def typed_as(hint: Any) -> Schema:
 
 
 SCENE, UNITS = {"$ref": "#/$defs/scene"}, {"$ref": "#/$defs/units"}
+SPECIMEN: Schema = {"$ref": "#/$defs/specimen"}
 MATERIAL, TRACTIONS = shape("shear_modulus density poisson_ratio"), shape("pressure shear")
 KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["kind"]}
 FIELD: Schema = {"anyOf": [NUMBER, TEXT, ANYTHING]}
@@ -97,6 +98,11 @@ _LINE = {
     **dict.fromkeys(("adhesion", "numbers", "run"), ANYTHING),
 }
 _OPTIONAL = {**_LAWS, **_WORDS, **_LINE, "lower_material": MATERIAL}
+ANY: Schema = {}
+_SPECIMEN = (
+    *("friction_law", "friction", "base", "load", "contact", "history", "gauges", "run"),
+    *("summary", "units"),
+)
 DEFINITIONS: Schema = {
     "scene": object_of(
         tuple(_OPTIONAL),
@@ -104,6 +110,9 @@ DEFINITIONS: Schema = {
         base=_BASE,
         load={"anyOf": [_LOAD, list_of(_LOAD)]},
         **_OPTIONAL,
+    ),
+    "specimen": object_of(
+        _SPECIMEN, upper=ANYTHING, lower=ANYTHING, **dict.fromkeys(_SPECIMEN, ANY)
     ),
     "units": named({"anyOf": [TEXT, UNITS]}),
 }

@@ -30,6 +30,10 @@ KEYS = (
     *("friction", "mode", "load_on", "units", "contact", "summary"),
     *("period", "rate", "plate_rate", "held", "even"),
 )
+FINITE = (
+    "this is a specimen of finite size; simulate or compare it, or, until its sides are felt, "
+    "solve the half-planes of it (docs/specimens.md)."
+)
 _FORMER = {
     "length": "period",
     "law": "[friction_law]",
@@ -73,6 +77,8 @@ def read_scene(path: str | Path) -> Scene:
 def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
     """Return the scene of a document as `read_scene` does; the path is that of its file."""
     try:
+        if "upper" in document:
+            raise SceneError(FINITE)
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
         for key, now in _FORMER.items():
             if key in document:

@@ -11,7 +11,7 @@ from pathlib import Path
 from semianalytic.scene.arguments import Function, taking_quantities
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Scene
 
@@ -79,10 +79,11 @@ def find(source: str | PathLike[str]) -> Scene:
     named = NAMED_SCENES.get(source)
     if named is not None:
         return named.scene
-    if is_file(source) or source in NAMED_LINES:
+    if is_file(source) or source in NAMED_LINES or source in NAMED_SPECIMENS:
         from semianalytic.scene.given.files import read_scene  # most scenes are named
 
-        return read_scene(source if is_file(source) else NAMED_LINES[source])
+        named_files = {**NAMED_LINES, **NAMED_SPECIMENS}
+        return read_scene(source if is_file(source) else named_files[source])
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)
@@ -134,7 +135,7 @@ def of_scene(function: Function) -> Function:
 
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *NAMED_LINES)
+    own = (*NAMED_SCENES, *NAMED_LINES, *NAMED_SPECIMENS)
     return [*own, *plugin_names(SCENES, own)]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -132,7 +131,8 @@ NAMED_SCENES: dict[str, NamedScene] = {
 }
 """Scenes by name; those of two different bodies are in units of the upper one."""
 
-NAMED_LINES: Mapping[str, Path] = {
-    path.stem: path for path in sorted((Path(__file__).parent / "lines").glob("*.toml"))
-}
-"""Files of scenes on a line, by name."""
+NAMED_LINES, NAMED_SPECIMENS = (
+    {path.stem: path for path in sorted((Path(__file__).parent / folder).glob("*.toml"))}
+    for folder in ("lines", "specimens")
+)
+"""Files of scenes on a line, and of specimens of finite size, by name."""

@@ -65,6 +65,14 @@ def refuse_given(options: Mapping[str, Any], reason: str) -> None:
             raise SceneError(f"{option_name(name)} {reason}.")
 
 
+def specimen_settings(settings: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of a simulation of a specimen; raise SceneError for other options."""
+    known = ("end_time", "size", "damping", "step_ratio")
+    others = {**{name: n for name, n in settings.items() if name not in known}, **others}
+    refuse_given(others, "is for scenes; leave it out for a specimen, or change its file")
+    return {name: settings[name] for name in known if settings.get(name) is not None}
+
+
 def without_effect(*two: str) -> SceneError:
     """Refusal of two options that exclude one another."""
     option, other = map(option_name, two)

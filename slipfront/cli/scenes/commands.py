@@ -20,7 +20,7 @@ from semianalytic.scene.errors import PluginError, SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
-from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES
+from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.given.solids import SOLIDS, find_solid
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS
@@ -47,7 +47,7 @@ STDOUT = Path("-")
 
 
 _OWN: Mapping[str, Collection[str]] = {
-    SCENES: (*NAMED_SCENES, *NAMED_LINES),
+    SCENES: (*NAMED_SCENES, *NAMED_LINES, *NAMED_SPECIMENS),
     LAWS: LAW_KINDS,
     HISTORIES: HISTORY_KINDS,
     FIGURES: OWN_FIGURES,
@@ -82,6 +82,10 @@ def _own_rows() -> Iterator[dict[str, Any]]:
     for name, scene, summary in own:
         row = {"name": name, "what": _what(scene), "package": None, "problem": ""}
         yield {**row, "summary": summary, "scene": scene_document(scene)}
+    for name, path in NAMED_SPECIMENS.items():
+        row = {"name": name, "what": "specimen", "package": None, "problem": ""}
+        given = read_document(path)
+        yield {**row, "summary": given.pop("summary"), "scene": given}
 
 
 def _what(scene: Scene) -> str:
@@ -155,14 +159,15 @@ def init(
     """Write a scene as a TOML file to edit, in which every number has its unit and a comment."""
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
-    scene = find(from_)
-    if scene.on_line:
+    finite = NAMED_SPECIMENS.get(from_)
+    scene = find(DEFAULT_SCENE if finite else from_)
+    if finite or scene.on_line:
         if units or material:
             raise SceneError(
                 f"--{'units' if units else 'material'} is for scenes with a slot; leave it out for "
                 f"{from_}, and change its file."
             )
-        text = text_of(NAMED_LINES.get(from_, Path(from_)))
+        text = text_of(finite or NAMED_LINES.get(from_, Path(from_)))
     else:
         solid = None if material is None else find_solid(material)
         if units or solid:
@@ -170,6 +175,8 @@ def init(
         remark = f"{material}: {solid.source}." if solid else ""
         text = scene_text(scene, from_, remark, with_all=with_all)
     document = {"scene": scene_document(scene), "units": _units(scene), "text": text}
+    if finite:
+        document = {"scene": read_document(finite), "units": {}, "text": text}
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
@@ -180,4 +187,5 @@ def init(
     elif file == STDOUT:
         sys.stdout.write(text)
     else:
-        Console().print(f"Written to {file}; try slipfront solve {file}", highlight=False)
+        verb = "simulate" if finite else "solve"
+        Console().print(f"Written to {file}; try slipfront {verb} {file}", highlight=False)
