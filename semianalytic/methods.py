@@ -34,7 +34,7 @@ METHODS = (
     Method("self-similar", "Scene of two solids", "dissimilar_slot.solver", "between two bodies"),
     Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
     Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
-    Method("space-time", "Scene", "engine.scenes.march", "a slot: any history, slip weakening"),
+    Method("space-time", "Scene", "engine.march", "a slot: any history, slip weakening"),
     Method("space-time", "Scene on a line", "engine.run", "contacts, fields and laws along x"),
 )
 """The methods in the order in which they are asked; those of installed packages come last."""

@@ -28,7 +28,7 @@ from semianalytic import (
     Tabulated,
     Tractions,
 )
-from semianalytic.engine.scenes.march import march as march_of
+from semianalytic.engine.march import march as march_of
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.selfsimilar.solver import solve
 

@@ -7,7 +7,7 @@ from catalogue import under
 from hypothesis import strategies as st
 
 from semianalytic import Coulomb, Material, Scene, SceneError, TensionError, Tractions
-from semianalytic.engine.scenes.march import march
+from semianalytic.engine.march import march
 from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.solver import solve
 

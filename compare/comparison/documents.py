@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from compare.comparison.measures import PROBES, SENSE_THRESHOLD, nearest
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime, wave_speeds
 from semianalytic import Scene
-from semianalytic.engine.scenes.nodes import SlotCheckpoint
+from semianalytic.engine.nodes import SlotCheckpoint
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history

@@ -11,8 +11,8 @@ import numpy as np
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.engine.plan import MOST_NODES
 from semianalytic.engine.resolution import nodes_for_loads
-from semianalytic.engine.scenes.plan import MOST_NODES
 from semianalytic.methods import chosen
 from semianalytic.scene.errors import SceneError
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from semianalytic.engine.beside_edges import EdgeNodes, film_share
 from semianalytic.engine.convergence import MEMORY_SAFETY, NARROW, Tried, order_seen, safety
 from semianalytic.engine.marched import Marched
+from semianalytic.engine.nodes import SlotCheckpoint
 from semianalytic.engine.resolution import missed_zone, rounded_up
-from semianalytic.engine.scenes.nodes import SlotCheckpoint
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper

@@ -16,8 +16,8 @@ from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
 from semianalytic.engine.bodies.motion import Motion
+from semianalytic.engine.nodes import SlotCheckpoint
 from semianalytic.engine.resolution import Shortfall, shortfalls_of
-from semianalytic.engine.scenes.nodes import SlotCheckpoint
 from semianalytic.engine.stepping.line import grid_of
 from semianalytic.engine.stepping.state import Extremes, LineCheckpoint
 from semianalytic.results.answer import answer_dataset
@@ -407,7 +407,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     @cached_property
     def _bodies(self) -> MarchedBodies:
         if self.motion is None:
-            from semianalytic.engine.scenes.freed import bodies_beside_slot  # which takes a march
+            from semianalytic.engine.freed import bodies_beside_slot  # which takes a march
 
             return bodies_beside_slot(self)
         grid = grid_of(self.scene, self.nodes, self.shift)

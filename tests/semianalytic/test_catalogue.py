@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from laws import check_invariants, random_scenes, scenes
 
 from semianalytic import Coulomb, SceneError, TensionError, Tractions
-from semianalytic.engine.scenes.march import march
+from semianalytic.engine.march import march
 from semianalytic.selfsimilar.solver import solve
 from tests.semianalytic.selfsimilar.test_separation import errors
 

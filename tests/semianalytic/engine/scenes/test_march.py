@@ -13,7 +13,7 @@ from scipy.special import j1
 
 import semianalytic as sf
 from docs.studies.article.stuck import stuck_pressure, stuck_shear
-from semianalytic.engine.scenes.nodes import causal_grid
+from semianalytic.engine.nodes import causal_grid
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.exponentials import fit_memory
@@ -21,7 +21,7 @@ from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import MODES
-from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
+from tests.semianalytic.engine.runs import march, preloaded, relative_l1
 
 
 def error_of_step(scene, nodes, **options):

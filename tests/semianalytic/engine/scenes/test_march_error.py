@@ -11,16 +11,16 @@ from catalogue import PRELOADED, SHOCK, gone_on, over, under, unit_scene
 import semianalytic as sf
 from compare.comparison.documents import march_document
 from docs.studies.accuracy.march import WEAKENING, judged, rate_error
+from semianalytic.engine import plan as march_plan
 from semianalytic.engine.convergence import ERROR_SAFETY, MEMORY_SAFETY
-from semianalytic.engine.scenes import plan as march_plan
-from semianalytic.engine.scenes.plan import MOST_NODES
+from semianalytic.engine.plan import MOST_NODES
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
-from tests.semianalytic.engine.scenes.runs import march
+from tests.semianalytic.engine.runs import march
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, law=sf.SlipWeakening(1.0, 1 / 3, 0.05))
 

@@ -10,12 +10,12 @@ from catalogue import UNIT, gone_on, unit_scene
 import semianalytic as sf
 from compare.comparison.documents import march_document
 from docs.studies.article.stuck import stuck_shear
+from semianalytic.engine import loads as grid_loads_module
+from semianalytic.engine.loads import GridPressure
 from semianalytic.engine.resolution import nodes_for_loads, zone_at_edge
-from semianalytic.engine.scenes import loads as grid_loads_module
-from semianalytic.engine.scenes.loads import GridPressure
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
-from tests.semianalytic.engine.scenes.runs import march
+from tests.semianalytic.engine.runs import march
 
 
 def sheared(history, friction=0.1, **parts):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.loads import SWEEPS, FrontPressure, GridPressure, front_of
+from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
 from semianalytic.engine.stepping.advance import CUT, Span
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, Level

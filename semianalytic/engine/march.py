@@ -18,14 +18,14 @@ from functools import wraps
 from os import PathLike
 from typing import Any
 
+from semianalytic.engine import plan
+from semianalytic.engine.advancing import advance
 from semianalytic.engine.convergence import Tried, more_nodes, order_seen
 from semianalytic.engine.estimate import judged
+from semianalytic.engine.loads import TOLERANCES
 from semianalytic.engine.marched import Marched
+from semianalytic.engine.nodes import SlotCheckpoint, check_size
 from semianalytic.engine.run import run
-from semianalytic.engine.scenes import plan
-from semianalytic.engine.scenes.advancing import advance
-from semianalytic.engine.scenes.loads import TOLERANCES
-from semianalytic.engine.scenes.nodes import SlotCheckpoint, check_size
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import MOST_NODES as MOST_LINE_NODES
 from semianalytic.engine.stepping.tuning import STEP_RATIO

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
-from semianalytic.engine.scenes.loads import FreeFaces, front_of
-from semianalytic.engine.scenes.nodes import ContactGrid
-from semianalytic.engine.scenes.slot import spans_to, spans_until
+from semianalytic.engine.loads import FreeFaces, front_of
+from semianalytic.engine.nodes import ContactGrid
+from semianalytic.engine.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.engine.marched import Marched
+from semianalytic.engine.nodes import ContactGrid, SlotCheckpoint, causal_grid
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
@@ -17,7 +18,6 @@ from semianalytic.engine.resolution import (
     rounded_up,
     zone_at_edge,
 )
-from semianalytic.engine.scenes.nodes import ContactGrid, SlotCheckpoint, causal_grid
 from semianalytic.engine.stepping.blocks import Reached
 from semianalytic.engine.stepping.state import Extremes
 from semianalytic.memory.exponentials import Memory, fit_memory

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.scenes.nodes import ContactGrid
+from semianalytic.engine.nodes import ContactGrid
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
 from semianalytic.engine.stepping.fronts import ActingFront

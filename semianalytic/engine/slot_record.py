@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.scenes.nodes import SlotCheckpoint
-from semianalytic.engine.scenes.slot import SlotLine
+from semianalytic.engine.nodes import SlotCheckpoint
+from semianalytic.engine.slot import SlotLine
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import EqualSteps
 from semianalytic.results.interface_history import InterfaceHistory

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.estimate import judged
+from semianalytic.engine.loads import table_bytes
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.scenes.loads import table_bytes
-from semianalytic.engine.scenes.nodes import SlotCheckpoint, state_bytes
-from semianalytic.engine.scenes.record import Walk
-from semianalytic.engine.scenes.slot import spans_to, spans_until
+from semianalytic.engine.nodes import SlotCheckpoint, state_bytes
+from semianalytic.engine.slot import spans_to, spans_until
+from semianalytic.engine.slot_record import Walk
 from semianalytic.engine.stepping.advance import Span
 from semianalytic.results.memory import check_memory, memory_limit
 

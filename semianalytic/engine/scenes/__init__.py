@@ -1,1 +1,0 @@
-"""The marcher of the interface through space and time, for histories and changing strength."""
