@@ -34,6 +34,12 @@ def find_specimen(source: object) -> Specimen | None:
     ------
     SceneError
         If a key is unknown, missing or out of range.
+
+    Examples
+    --------
+    >>> from fem import find_specimen
+    >>> find_specimen("pmma-specimen").upper.height, find_specimen("preloaded")
+    (0.1, None)
     """
     if isinstance(source, Specimen) or not isinstance(source, str | PathLike):
         return source if isinstance(source, Specimen) else None
