@@ -101,10 +101,10 @@ def exact(problem: Problem, rtol: float) -> Any:
     return solve(problem.scene, rtol=rtol)
 
 
-def marched(problem: Problem, nodes: float, companion: bool = False) -> Any:
+def marched(problem: Problem, nodes: float, estimate: bool = False) -> Any:
     """March a problem of one material."""
     given = {"end_time": problem.end_time, "nodes": int(nodes), "every": _LAST}
-    return solve(problem.scene, method="space-time", **given, companion=companion)
+    return solve(problem.scene, method="space-time", **given, estimate=estimate)
 
 
 def _finite_elements(problem: Problem, resolution: float) -> Any:

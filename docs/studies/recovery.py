@@ -40,6 +40,7 @@ def recovered(seed: int) -> list[list[str | float]]:
 
 if __name__ == "__main__":
     with (DATA / "fits-recovered.csv").open("w", newline="") as file:
+        file.write("# python -m docs.studies.recovery\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("seed", "parameter", "true", "value", "standard_error"))
         for seed in range(10):

@@ -100,7 +100,7 @@ def compare_command(
     """
     along = {name: n for name, n in (("nodes", nodes), ("mesh_nodes", mesh_nodes)) if n is not None}
     shown = {"everything": everything, "as_json": as_json, "quiet": quiet}
-    require("slipfront compare", *FEM)
+    require("slipfront compare", *FEM, *PLOT)
     from fem.lines.plates import find_specimen
 
     specimen = None if scene_name is None else find_specimen(scene_name)
@@ -120,7 +120,6 @@ def compare_command(
         _compare_line(found, scene_name, given, output, **shown)
         return
     refuse_given(along, "is for scenes on a line; this one takes --resolution")
-    require("slipfront compare", *PLOT)
     seconds, snapshots = options.in_seconds(budget), not no_snapshots
     prediction: Solution | PairSolution | Marched | None = None
     if from_ is not None:

@@ -1,6 +1,7 @@
 """The random campaign: what it finds, and that it finds what is wrong."""
 
 from contextlib import suppress
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -64,7 +65,8 @@ def test_it_sees_what_is_wrong():
     exact, other = solve(scene, rtol=1e-11), solve(replace(scene, friction=0.309), rtol=1e-8)
     assert campaign.error_between(solve(scene), exact) < 1e-8
     assert campaign.error_between(other, exact) > 1e-3
-    one = replace(exact, zones=exact.zones[:1])
+    one = copy(exact)
+    one.__dict__["zones"] = exact.zones[:1]
     assert campaign.error_between(one, exact) == np.inf
     random = np.random.default_rng(1)
     assert campaign.broken_law(solve(scene), random) < 1e-8

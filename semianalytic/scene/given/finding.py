@@ -135,7 +135,7 @@ def of_scene(function: Function) -> Function:
 
 def names() -> list[str]:
     """Return every name that there is, those of other packages last."""
-    own = (*NAMED_SCENES, *NAMED_LINES, *NAMED_SPECIMENS)
+    own = (*NAMED_SCENES, *NAMED_LINES)
     return [*own, *plugin_names(SCENES, own)]
 
 

@@ -31,8 +31,9 @@ def one_of(*names: str) -> Completer:
 def scene_names(incomplete: str) -> list[str]:
     """Complete names of scenes, of slipfront and of installed packages, and TOML files."""
     from semianalytic.scene.given.finding import names
+    from semianalytic.scene.given.named import NAMED_SPECIMENS
 
-    return _starting([*names(), *_toml_files(incomplete)], incomplete)
+    return _starting([*names(), *NAMED_SPECIMENS, *_toml_files(incomplete)], incomplete)
 
 
 def figure_names(incomplete: str) -> list[str]:

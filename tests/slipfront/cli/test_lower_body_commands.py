@@ -59,7 +59,6 @@ def folder(tmp_path):
 FUNCTIONS = {
     "sweep": lambda scene: sf.sweep(scene, [0.3]),
     "fit": lambda scene: sf.fit([GAUGE], scene, ["friction"]),
-    "validate": lambda scene: sf.validate("record.csv", scene),
 }
 
 
