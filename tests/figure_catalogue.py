@@ -136,7 +136,7 @@ def _fit() -> Figure:
 CATALOGUE: dict[str, Callable[[], Figure]] = {
     **{
         f"compare.figures.histories.{name}_figure/{scene}": partial(_of_case, name, scene)
-        for scene, names in (("auxetic", "sense history wear"), ("lift-off-shear", "sense gap"))
+        for scene, names in (("auxetic", "sense history"), ("lift-off-shear", "sense gap"))
         for name in names.split()
     },
     **{

@@ -1,4 +1,4 @@
-"""Figures over space and time, by both methods: slip sense, profiles, wear."""
+"""Figures over space and time, by both methods: slip sense, profiles, gaps."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     if case.slips or case.opens:
         figures |= {"sense": sense_figure}
     if case.slips:
-        figures |= {"history": history_figure, "wear": wear_figure}
+        figures |= {"history": history_figure}
     if case.opens:
         figures |= {"gap": gap_figure}
     return figures
@@ -114,27 +114,6 @@ def history_figure(case: Case) -> Figure:
     panels[0].legend(handles=style.method_handles(), loc="upper center")
     panels[-1].set(xlabel=style.PLACE_LABEL, xlim=(0, 1.05 * seen.x[reach] / length))
     figure.supylabel(style.RATE_LABEL)
-    return figure
-
-
-@style.styled
-def wear_figure(case: Case) -> Figure:
-    """Draw accumulated |slip| and frictional work along the interface by both methods."""
-    simulation, x, length = case.simulation, case.seen.x, case.length
-    path, work = case.worn_at_nodes
-    slip, stress = case.rate * case.end_time, case.stress
-    figure = style.describe(style.new_figure(7, 5.7), style.scene_words(case.scene))
-    panels = figure.subplots(2, 1, sharex=True)
-    for panel, label, (predicted, seen), unit in (
-        (panels[0], style.PATH_LABEL, (path, simulation.final_path), slip),
-        (panels[1], style.WORK_LABEL, (work, simulation.final_work_density), slip * stress),
-    ):
-        _draw_both(panel, (x / length, predicted / unit), (x / length, seen / unit))
-        panel.set_ylabel(label)
-        panel.set_ylim(bottom=0)
-    reach = np.flatnonzero(path > 0)[-1]
-    panels[0].legend(handles=style.method_handles(), loc="upper right")
-    panels[1].set(xlabel=style.PLACE_LABEL, xlim=(0, 1.05 * x[reach] / length))
     return figure
 
 

@@ -23,9 +23,6 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.results import plotting
-from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.laws.kinds import law_table
-from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
 LineStyle = Literal["-", "--", "-.", ":"]
@@ -63,9 +60,8 @@ SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()} | {
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
 SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
-PATH_LABEL = r"$\int |V|\,dt\ /\ (V_0 T)$"
 GAP_LABEL, PRESSURE_LABEL = r"gap $/\ (V_0 T)$", r"pressure $/\ \tau_0$"
-TRACTION_LABEL, WORK_LABEL = r"traction $/\ \tau_0$", r"frictional work $/\ (\tau_0 V_0 T)$"
+TRACTION_LABEL = r"traction $/\ \tau_0$"
 SMALL = "small"
 """Font size of notes, relative to that of text."""
 
@@ -145,39 +141,19 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def scene_words(scene: Scene) -> str:
-    """Return the description that a figure of one scene carries.
-
-    It gives bodies, friction, pressure and shear before the load, and the units of the axes,
-    with their sizes in SI scenes.
+    """Return the description that a figure of one scene carries: its title, and the units of axes
+    with their sizes in SI scenes; on a line, where tractions may vary, the title alone.
     """
-    if scene.on_line:  # whose friction and tractions may vary along it
-        return plotting.scene_title(scene)
-    law = {} if isinstance(scene.friction, float) else law_table(scene.friction)
-    numbers = [f"{name} {value:.3g}" for name, value in law.items() if isinstance(value, float)]
-    kind = f" ({', '.join([law['kind'], *numbers])})" if law else ""
-    mode = "antiplane shear,  " if scene.antiplane else ""
+    title = plotting.scene_title(scene)
+    if scene.on_line:
+        return title
     pascal = f" {unit('stress', scene.units)}" if scene.units else ""
-    base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}){pascal},  "
-    base += "remote load,  " if scene.load_on == REMOTE else ""
-    load = scene.load
-    if isinstance(load, IncidentWave):
-        base += f"{load.kind} wave from {load.from_} at {load.angle:.3g}°,  "
-    elif isinstance(load, MovingLoad):
-        base += f"load moves at {load.speed:.3g},  "
     sizes = ""
     if scene.units:  # else they are of the scene's own units, in which numbers mean nothing more
         speed = scene.material.shear_speed
-        sizes = f" = {slip_rate_scale(scene):.3g} m/s,  cₜ = {speed:.4g} m/s"
-    upper, lower = scene.bodies
-    body = ""
-    if scene.lower_material is not None:
-        moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
-        body = f",  lower body: {moduli[0]:.3g} μ, {moduli[1]:.3g} ρ, ν = {lower.poisson_ratio:.4g}"
-    return (
-        f"{mode}ν = {upper.poisson_ratio:.4g},  f = {scene.coefficient:.3g}{kind},  {base}"
-        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal},  V₀ = 2 τ₀ / ρcₜ{sizes}"
-        f"{body}"
-    )
+        sizes = f" = {slip_rate_scale(scene):.3g} m/s, cₜ = {speed:.4g} m/s"
+    scales = f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal}, V₀ = 2 τ₀ / ρcₜ{sizes}"
+    return f"{title}; {scales}"
 
 
 def _unit_name(scene: Scene) -> str:

@@ -15,6 +15,8 @@ from semianalytic.results.files import new_file
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
+from semianalytic.scene.laws.kinds import law_table
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import SI
 
 _POINTS = 800
@@ -124,13 +126,22 @@ def scene_title(scene: Any) -> str:
     metre, _, pascal = _units(scene, scene.period, 0.0)
     bodies = [body for body in (scene.material, scene.lower_material) if body is not None]
     words = ["ν = " + " on ".join(f"{body.poisson_ratio:.3g}" for body in bodies)]
+    if len(bodies) > 1:
+        upper, lower = bodies
+        moduli = lower.shear_modulus / upper.shear_modulus, lower.density / upper.density
+        words.append("lower body {:.3g} μ, {:.3g} ρ".format(*moduli))
     words += [scene.mode] * (scene.mode == "antiplane")
+    words += ["remote load"] * (scene.load_on == REMOTE)
     law, load = scene.friction, scene.load
     coefficient = law if isinstance(law, float) else getattr(law, "friction", None)
     if isinstance(coefficient, float):
         words.append(f"f = {coefficient:.3g}")
     if not isinstance(law, float):
-        words.append(type(law).__name__)
+        table = law_table(law)
+        numbers = [f"{name} {n:.3g}" for name, n in table.items() if isinstance(n, float)]
+        words.append(
+            " ".join([table["kind"], f"({', '.join(numbers)})" if numbers else ""]).strip()
+        )
     # what has a speed or grows says its kind; its numbers are no tractions, or not these alone
     plain = isinstance(load, type(scene.base))
     for of, what in product(("base", "load") if plain else ("base",), _TRACTIONS):

@@ -21,7 +21,7 @@ from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import brought_scene, brought_summary, find_scene
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
-from semianalytic.scene.given.solids import SOLIDS, find_solid
+from semianalytic.scene.given.solids import find_solid, solids
 from semianalytic.scene.given.template import in_si_units, scene_text
 from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.laws.kinds import LAW_KINDS
@@ -135,8 +135,8 @@ _OPTIONS: Mapping[str, Any] = {
         complete=one_of(SI),
     ),
     "material": option(
-        f"Real solid to begin with, in SI units: {', '.join(SOLIDS)}.",
-        complete=one_of(*SOLIDS),
+        f"Real solid to begin with, in SI units: {', '.join(solids())}.",
+        complete=one_of(*solids()),
         metavar="SOLID",
     ),
     "with_all": option(

@@ -12,7 +12,7 @@ from compare.output.printed import PrintedTable
 from semianalytic import Material, sliding_stability
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.solids import SOLIDS
+from semianalytic.scene.given.solids import solids
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import InSI, measure
 from slipfront.cli.options import AsJson, measured_option
@@ -79,13 +79,13 @@ def sliding(
 
 def _numbers(name: str, text: str) -> list[float]:
     """Return the three numbers of a body, the first two of which may have units."""
-    if (solid := SOLIDS.get(text.strip().lower())) is not None:
+    if (solid := solids().get(text.strip().lower())) is not None:
         body = solid.material
         text = f"{body.shear_modulus}Pa,{body.density}kg/m3,{body.poisson_ratio}"
     parts = text.split(",")
     if len(parts) != len(_KINDS):
         raise SceneError(
-            f"--{name} has to be a solid ({', '.join(SOLIDS)}) or three numbers as 30e9,2700,0.25: "
+            f"--{name} has to be a solid ({', '.join(solids())}) or three numbers as 30e9,2700,0.25: "
             f"shear modulus, density and Poisson ratio; got {shown(text)}."
         )
     numbers = []

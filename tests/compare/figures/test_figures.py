@@ -171,9 +171,9 @@ def test_units_are_named_by_the_traction_they_are():
     assert "τ₀ = shear of the load = 1" in scene_words(scene)
     resting = replace(scene, load=type(scene.load)(0.0, 0.0))
     assert "τ₀ = pressure of the base = 1" in scene_words(resting)
-    assert scene_words(replace(scene, mode="antiplane")).startswith("antiplane shear,  ν = ")
+    assert "antiplane" in scene_words(replace(scene, mode="antiplane"))
     words = scene_words(under(scene, RateWeakening(1.0, 0.6, 1.0)))
-    assert f"(rate-weakening, dynamic {0.6 * scene.coefficient:.3g}, rate 1)" in words
+    assert f"rate-weakening (dynamic {0.6 * scene.coefficient:.3g}, rate 1)" in words
 
 
 @pytest.mark.thinned(2)
@@ -196,7 +196,7 @@ def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none(solutio
         set(comparison_figures(side_by_side(predict_like(run, method), run)))
         for method in ("self-similar", "space-time")
     )
-    assert marched == {"sense", "history", "wear"}
+    assert marched == {"sense", "history"}
     assert exact - marched == {"slip_rate", "tractions", "fronts"}
 
 

@@ -8,7 +8,7 @@ import pint
 import pytest
 
 import slipfront as sf
-from semianalytic.scene.given.solids import SOLIDS
+from semianalytic.scene.given.solids import solids
 from semianalytic.scene.units import measure
 
 UNITS = pint.UnitRegistry()
@@ -108,7 +108,7 @@ def test_known_solids_make_scenes_in_si_units():
 
 def test_solids_are_those_of_the_page():
     page = (Path(__file__).parents[3] / "docs" / "commands.md").read_text(encoding="utf-8")
-    for name, solid in SOLIDS.items():
+    for name, solid in solids().items():
         material = solid.material
         row = (
             f"| `{name}` | {material.shear_modulus / 1e9:g} GPa | {material.density:g} kg/m³ | "

@@ -17,7 +17,7 @@ from slipfront.cli.terminal import print_judgement, verdict_lines
 from tests.slipfront.cli.test_cli import unconverged
 
 COMPARISON_FIGURES = {
-    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
+    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history")
 }
 COMPARED_FIELDS = {"fields.png", "fields.csv"}
 

@@ -43,7 +43,7 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys, request):
     if name == "harmonic":
         assert rows["work in cycle 3"]["at_nodes"] > 0
         assert any(row.startswith("reversal at") for row in rows)
-    assert {path.name for path in folder.iterdir()} >= {"sense.png", "history.png", "wear.png"}
+    assert {path.name for path in folder.iterdir()} >= {"sense.png", "history.png"}
     assert "Verdict: agrees" in capsys.readouterr().out
 
 
