@@ -139,9 +139,7 @@ def scene_title(scene: Any) -> str:
     if not isinstance(law, float):
         table = law_table(law)
         numbers = [f"{name} {n:.3g}" for name, n in table.items() if isinstance(n, float)]
-        words.append(
-            " ".join([table["kind"], f"({', '.join(numbers)})" if numbers else ""]).strip()
-        )
+        words.append(f"{table['kind']} ({', '.join(numbers)})" if numbers else table["kind"])
     # what has a speed or grows says its kind; its numbers are no tractions, or not these alone
     plain = isinstance(load, type(scene.base))
     for of, what in product(("base", "load") if plain else ("base",), _TRACTIONS):

@@ -85,8 +85,8 @@ def _numbers(name: str, text: str) -> list[float]:
     parts = text.split(",")
     if len(parts) != len(_KINDS):
         raise SceneError(
-            f"--{name} has to be a solid ({', '.join(solids())}) or three numbers as 30e9,2700,0.25: "
-            f"shear modulus, density and Poisson ratio; got {shown(text)}."
+            f"--{name} has to be a solid ({', '.join(solids())}) or three numbers as "
+            f"30e9,2700,0.25: shear modulus, density and Poisson ratio; got {shown(text)}."
         )
     numbers = []
     for part, (what, dimension) in zip(parts, _KINDS.items(), strict=True):
