@@ -142,8 +142,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
     **{
         f"compare.figures.interface.{draw.__name__}/{scene}": partial(_of_run, draw, scene)
         for draw in (
-            interface.slip_rate_figure,
-            interface.tractions_figure,
+            interface.interface_figure,
             interface.fronts_figure,
         )
         for scene in ("auxetic", "lift-off-shear", "preloaded")

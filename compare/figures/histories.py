@@ -19,8 +19,7 @@ from compare.figures.interface import (
     POINTS,
     Array,
     fronts_figure,
-    slip_rate_figure,
-    tractions_figure,
+    interface_figure,
 )
 from semianalytic.results.answer import method_of
 
@@ -34,8 +33,7 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     solution: Any = case.prediction
     if method_of(solution) == "self-similar":
         figures = {
-            "slip_rate": lambda case: slip_rate_figure(solution, case.seen),
-            "tractions": lambda case: tractions_figure(solution, case.seen),
+            "interface": lambda case: interface_figure(solution, case.seen),
             "fronts": lambda case: fronts_figure(solution, case.seen),
         }
     if case.slips or case.opens:

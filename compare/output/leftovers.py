@@ -16,7 +16,7 @@ REPORT, PAGE = "report.json", "report.html"
 FIELDS = "fields.csv"
 FIGURES = tuple(
     f"{name}.{form}"
-    for name in ("slip_rate", "tractions", "fronts", "sense", "history", "gap", "fields")
+    for name in ("interface", "fronts", "sense", "history", "gap", "fields")
     for form in ("png", "pdf", "svg")
 )
 """Names of figures in `compare.figures.histories.comparison_figures`, and that of whole fields."""

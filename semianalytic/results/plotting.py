@@ -33,6 +33,7 @@ SHADES = {"slip": ("#56B4E9", 0.3), "reverse slip": ("#D55E00", 0.18), "open": (
 """Colours behind curves by what the contact does, and their shares in the mixture."""
 _LARGE = 10.0
 """Ratio of pressure to shear traction above which the pressure is not drawn with it."""
+_LEGEND: Any = {"loc": "lower right", "bbox_to_anchor": (1, 1), "ncols": 3, "frameon": False}
 _APART = 0.06
 """Distance over the width of a figure below which waves share one label."""
 
@@ -48,8 +49,8 @@ def drawn(answer: Any, ax: Any, t: float | None) -> Any:
         figure, axes = pyplot.subplots(1 if mapped else 2, sharex=True, layout="constrained")
         figure.suptitle(scene_title(answer.scene), fontsize="small")
     if mapped:
-        return _map(answer, history, axes)
-    _profile(answer, axes, _end(answer) if t is None else t)
+        return draw_map(answer, history, axes)
+    draw_profile(answer, axes, _end(answer) if t is None else t)
     return axes
 
 
@@ -64,12 +65,12 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
     shown = np.linspace(end / 40, end, 40) if times is None else np.atleast_1d(times)
     figure, axes = pyplot.subplots(2, sharex=True, layout="constrained")
     figure.suptitle(scene_title(answer.scene), fontsize="small")
-    limits = _profile(answer, axes, float(np.max(shown)))
+    limits = draw_profile(answer, axes, float(np.max(shown)))
 
     def show(t: float) -> None:
         for axis in axes:
             axis.clear()
-        _profile(answer, axes, t, limits)
+        draw_profile(answer, axes, t, limits)
 
     try:
         with new_file(path, suffix=path.suffix) as part:
@@ -105,8 +106,8 @@ def _end(answer: Any) -> float:
     return float(getattr(answer, "end_time", 1 / answer.scene.material.shear_speed))
 
 
-def _units(scene: Any, reach: float, end: float) -> list[tuple[float, str]]:
-    """Return factors and names of the units of length, time and stress, those of x, t and the
+def shown_units(scene: Any, reach: float, end: float) -> list[tuple[float, str]]:
+    """Return factors and names of the units of length, time and stress for sizes of x, t and the
     largest traction that a scene states as a number."""
     if scene.units != SI:
         return [(1.0, unit) for unit in _SHOWN]
@@ -123,7 +124,7 @@ def _labelled(what: str, unit: str) -> str:
 
 def scene_title(scene: Any) -> str:
     """Return what a figure says of its scene."""
-    metre, _, pascal = _units(scene, scene.period, 0.0)
+    metre, _, pascal = shown_units(scene, scene.period, 0.0)
     bodies = [body for body in (scene.material, scene.lower_material) if body is not None]
     words = ["ν = " + " on ".join(f"{body.poisson_ratio:.3g}" for body in bodies)]
     if len(bodies) > 1:
@@ -153,6 +154,7 @@ def scene_title(scene: Any) -> str:
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
         words.append(f"period {_with_unit(scene.period, metre)}")
+    words += ["in units of the scene"] * (scene.units != SI)
     return ", ".join(words)
 
 
@@ -171,7 +173,7 @@ def _with_unit(value: float, unit: tuple[float, str]) -> str:
     return f"{value * unit[0]:.4g}" + (f" {unit[1]}" if unit[1] not in _SHOWN else "")
 
 
-def _map(answer: Any, history: Any, ax: Any) -> Any:
+def draw_map(answer: Any, history: Any, ax: Any) -> Any:
     """Draw the slip rate over x and t, and wave fronts from the edge or from where slip begins."""
     x, t, rate = history.x, history.t, history.slip_rate
     origins, begin = [(0.0, 1)], 0.0
@@ -187,7 +189,7 @@ def _map(answer: Any, history: Any, ax: Any) -> Any:
         origins = [
             (at, s if room > least else -s) for (at, s), room in zip(ends, rooms, strict=True)
         ]
-    length, time, _ = _units(answer.scene, np.ptp(x), t[-1])
+    length, time, _ = shown_units(answer.scene, np.ptp(x), t[-1])
     slips = np.abs(rate[np.isfinite(rate)])
     # a line that hardly slips, or rests, does not count
     slips = slips[slips > 0.01 * slips.max(initial=0.0)]
@@ -236,8 +238,11 @@ def _name(ax: Any, labels: Any, sizes: tuple[float, float], rise: str) -> None:
         ax.annotate(names, (x, y), xytext=(0, below), fontsize="small", **above)
 
 
-def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
-    """Draw slip rate, and tractions on a second axis, over x at a time; return limits for later."""
+def draw_profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
+    """Draw slip rate, and tractions on a second axis, over x at a time; return limits for later.
+
+    Further axes have the shades and waves alone.
+    """
     scene: Any = answer.scene
     known: Any = getattr(answer, "interface", None)
     nodes = getattr(known, "x", None)
@@ -245,7 +250,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     reach = 1.05 * max(waves.values()) * end if nodes is None else nodes[-1]
     if nodes is None and scene.front_slowness > 0:  # a load whose front runs over the contact
         reach = max(reach, 1.2 * end / max(scene.front_slowness, 0.2 / max(waves.values())))
-    length, time, stress = _units(scene, reach, end)
+    length, time, stress = shown_units(scene, reach, end)
     opened = answer.openings_at(end)
     # on a whole line slip spreads to both sides
     spreads = any(part.start < 0 for part in (*answer.zones_at(end), *opened))
@@ -257,7 +262,7 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     upper = panels[0]
     rate = answer.slip_rate(x, end)
     finite = np.abs(rate[np.isfinite(rate)])
-    upper.plot(x * length[0], np.where(np.isfinite(rate), rate, np.nan))
+    upper.plot(x * length[0], np.where(np.isfinite(rate), rate, np.nan), label="slip rate")
     # beside points where it is infinite the curve leaves the figure
     tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
     low, high = (
@@ -273,12 +278,14 @@ def _profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     for number, (kind, part) in enumerate(moving):
         span = (part.start * length[0], min(part.end, reach) * length[0])
         label = None if kind in (before for before, _ in moving[:number]) else kind
-        for panel, said in zip(panels, (label, None), strict=False):
-            colour, share = SHADES[kind]
+        colour, share = SHADES[kind]
+        for panel in panels:
+            said = label if panel is upper else None
             panel.axvspan(*span, color=colour, alpha=share, linewidth=0, zorder=0, label=said)
     if moving:
-        upper.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False)
-    if len(panels) == 2:
+        handles = upper.get_legend_handles_labels()[0][1:]  # the curve has its axis
+        upper.legend(handles=handles, **_LEGEND)
+    if len(panels) > 1:
         of = answer.shear_traction, answer.pressure
         shear, pressure = (stress[0] * field(x, end) for field in of)
         panels[1].plot(x * length[0], shear, label="shear traction")

@@ -214,7 +214,7 @@ def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
     (tmp_path / "mine.png").write_text("")
     assert command(tmp_path, "--quiet") == 0  # the same run once more
     assert (tmp_path / "report.json").is_file()
-    assert (tmp_path / "slip_rate.png").is_file()
+    assert (tmp_path / "interface.png").is_file()
     (tmp_path / "snapshots" / "mine.txt").write_text("notes")
     (tmp_path / "snapshots" / "fields-mine.vtu").write_text("not a frame of slipfront")
     assert command(tmp_path, "--quiet", "--no-snapshots", "--end-time", "0.9") == 0

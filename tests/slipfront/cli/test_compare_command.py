@@ -16,9 +16,7 @@ from slipfront.cli.commands import main
 from slipfront.cli.terminal import print_judgement, verdict_lines
 from tests.slipfront.cli.test_cli import unconverged
 
-COMPARISON_FIGURES = {
-    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history")
-}
+COMPARISON_FIGURES = {f"{name}.png" for name in ("interface", "fronts", "sense", "history")}
 COMPARED_FIELDS = {"fields.png", "fields.csv"}
 
 

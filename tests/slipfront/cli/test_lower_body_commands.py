@@ -164,7 +164,7 @@ def test_compare_judges_two_bodies(printed, refused, shown, folder, monkeypatch)
     assert rows["slip, L1"]["verdict"] == "agrees"
     assert "gap, L1" in rows
     written = {path.name for path in (folder / "out").iterdir()}
-    names = ("slip_rate", "tractions", "fronts", "sense", "history", "gap")
+    names = ("interface", "fronts", "sense", "history", "gap")
     kept = {"report.html", "report.json", "simulation.h5"}
     assert written == kept | {f"{name}.png" for name in names}
     for line in (
