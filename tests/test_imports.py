@@ -252,7 +252,7 @@ def test_folders_of_tests_and_studies_stay_small(folder):
     assert list(crowded(ROOT / folder)) == []
 
 
-SHOWN = {"scene.py", "sampled.py", "style.py"}
+SHOWN = {"scene.py", "sampled.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
 SLOT_ALONE = {"dissimilar", "dissimilar_slot", "whole_line"}
 """Folders whose contact carries nothing but the base, and a load that they know themselves."""

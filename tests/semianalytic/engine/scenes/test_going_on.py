@@ -8,7 +8,7 @@ from catalogue import gone_on, unit_scene
 
 import semianalytic as sf
 from semianalytic.engine.stepping import blocks
-from tests.semianalytic.engine.runs import march, preloaded, relative_l1
+from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 
 @pytest.mark.thinned(6)

@@ -21,7 +21,7 @@ from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.scene import MODES
-from tests.semianalytic.engine.runs import march, preloaded, relative_l1
+from tests.semianalytic.engine.scenes.runs import march, preloaded, relative_l1
 
 
 def error_of_step(scene, nodes, **options):

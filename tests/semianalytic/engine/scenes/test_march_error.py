@@ -20,7 +20,7 @@ from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
-from tests.semianalytic.engine.runs import march
+from tests.semianalytic.engine.scenes.runs import march
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, law=sf.SlipWeakening(1.0, 1 / 3, 0.05))
 

@@ -8,7 +8,7 @@ from catalogue import UNIT, gone_on
 from line_march import march as line_march
 
 import semianalytic as sf
-from tests.semianalytic.engine.runs import march
+from tests.semianalytic.engine.scenes.runs import march
 
 PRESSED = sf.Tractions(1.0, 0.0)
 SCENES = {

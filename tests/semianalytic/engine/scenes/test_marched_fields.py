@@ -12,7 +12,7 @@ import semianalytic as sf
 from fem import simulate
 from semianalytic.engine.bodies import spectrum
 from semianalytic.scene.given.finding import find_scene
-from tests.semianalytic.engine.runs import march
+from tests.semianalytic.engine.scenes.runs import march
 
 QUANTITIES = ("velocity", "stress", "displacement")
 HARD = {"friction": 300.0, "base": (3.0, 0.3)}

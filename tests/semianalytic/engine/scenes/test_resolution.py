@@ -15,7 +15,7 @@ from semianalytic.engine.loads import GridPressure
 from semianalytic.engine.resolution import nodes_for_loads, zone_at_edge
 from semianalytic.scene.given.finding import find_scene
 from slipfront.cli.commands import main
-from tests.semianalytic.engine.runs import march
+from tests.semianalytic.engine.scenes.runs import march
 
 
 def sheared(history, friction=0.1, **parts):
