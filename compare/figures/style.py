@@ -33,8 +33,8 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 """Colours of the palette of Okabe and Ito, which colour-blind readers can distinguish."""
 BROWN, VIOLET = "#7A3B0A", "#7A2FE0"
 """Colours of lines instead of orange and sky blue, which are too light on white."""
-PREDICTION, SIMULATION, MARCH, PUBLISHED = "C0", "C1", "C2", "C3"
-"""Colours of curves: self-similar answer, finite elements, march, published algorithm."""
+PREDICTION, SIMULATION, MARCH = "C0", "C1", "C2"
+"""Colours of curves: self-similar answer, finite elements, march."""
 STICK_SHADE, SLIP_SHADE = "#efefef", "#cfe5f3"
 """Colours of maps."""
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
@@ -58,10 +58,8 @@ SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()} | {
     LOWER + name: f"${symbol[:2]}{{{symbol[2:]}2}}$" for name, symbol in WAVE_SYMBOLS.items()
 }
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
-SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
 GAP_LABEL, PRESSURE_LABEL = r"gap $/\ (V_0 T)$", r"pressure $/\ \tau_0$"
-TRACTION_LABEL = r"traction $/\ \tau_0$"
 SMALL = "small"
 """Font size of notes, relative to that of text."""
 

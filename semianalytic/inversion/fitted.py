@@ -133,8 +133,9 @@ class Fit:
 
     @property
     def scene(self) -> Scene:
-        """The scene with the fitted parameters."""
-        return self.solution.scene
+        """The scene with the fitted parameters; a line has a period if the scene of the fit has."""
+        scene, lengthens = self.solution.scene, getattr(self.trials, "lengthens", False)
+        return replace(scene, period=np.inf) if lengthens else scene
 
     @property
     def standard_errors(self) -> Array:

@@ -247,6 +247,9 @@ def test_a_law_and_the_time_of_the_load_are_found_from_slip_and_gauges_in_both_b
     assert np.all(np.abs(found.values - 0.2) < 3 * found.standard_errors)
     assert np.all((found.standard_errors > 0) & (found.standard_errors < 0.01))
     assert found.scene.law.dynamic == found.values[0]
+    # a period that only suits the records would send false waves to later times
+    assert found.scene.period == fault().period
+    assert replace(found, trials=replace(found.trials, lengthens=True)).scene.period == np.inf
     assert 0 < found.derivative_error < 0.1
     quoted = found.quoted
     assert quoted.x.tolist() == pytest.approx([-1.2, -0.5, 0.2, 0.9, 1.6])
