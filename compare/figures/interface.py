@@ -41,6 +41,9 @@ def interface_figure(
         if name in drawn:
             values = getattr(history, field)[-1, shown] * stress[0]
             middle.plot(x, values, ".", color=style.SIMULATION, markersize=2)
+    for line in middle.lines:
+        if line.get_label() == "pressure":  # has the colour of samples in a figure without them
+            line.set_color(style.BROWN)
     upper.plot(x, rate, ".", color=style.SIMULATION, markersize=3)
     difference = rate - solution.slip_rate(history.x[shown], time)
     lower.plot(x, difference, color=style.SIMULATION, linewidth=1)
@@ -74,6 +77,8 @@ def fronts_figure(
             place = [0, edge * end * length[0]]
             panel.plot(place, [0, end * time[0]], line, color=style.VIOLET, linewidth=1.1)
     handles = [style.line_handle(words, style.VIOLET, line) for of, words, line in kinds if of]
+    for drawn in panel.lines:
+        drawn.set_path_effects(style.outline())
     if handles:
         panel.legend(handles=handles, loc="lower right")
     return _figure(panel)

@@ -306,7 +306,7 @@ def draw_profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
             if start <= place < reach and not scene.on_line:
                 labels.append((place * length[0], 1.0, name))
                 for panel in panels:
-                    panel.axvline(place * length[0], color="0.7", lw=0.8)
+                    panel.axvline(place * length[0], color="0.35", lw=0.8)
     _name(upper, labels, ((reach - start) * length[0], 1.0), "axes fraction")
     panels[-1].set_xlabel(_labelled("x", length[1]))
     for panel, set_before in zip(panels, limits[1] if limits else (), strict=False):

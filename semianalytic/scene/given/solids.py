@@ -34,18 +34,12 @@ class Solid:
 @cache
 def solids() -> Mapping[str, Solid]:
     """Return the solids of `solids.toml` by name, in its order."""
-    tables = tomllib.loads((Path(__file__).parent / "solids.toml").read_text(encoding="utf-8"))
-    return {
-        name: Solid(
-            Material(
-                measure(of["shear_modulus"], "stress"),
-                measure(of["density"], "mass / length^3"),
-                of["poisson_ratio"],
-            ),
-            of["source"],
-        )
-        for name, of in tables.items()
-    }
+    text, found = (Path(__file__).parent / "solids.toml").read_text(encoding="utf-8"), {}
+    for name, of in tomllib.loads(text).items():
+        modulus, density = (of[key] for key in ("shear_modulus", "density"))
+        sizes = measure(modulus, "stress"), measure(density, "mass / length^3")
+        found[name] = Solid(Material(*sizes, of["poisson_ratio"]), of["source"])
+    return found
 
 
 @checking

@@ -69,20 +69,20 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
         for growth in (1.0, 4.0)
     )
     # It changes by 12 errors from 4h to 2h; what nodes alone leave open is little.
-    bar = error_bar([3 * error, 12 * error]).size
+    bar = error_bar([3 * error, 12 * error], most=1.0, norm=True).size
     slips = ["slip rate, L1", "slip rate over (x, t), L1", "accumulated |slip|, L1"]
     for name in (*slips, "shear traction, L1", "pressure, L1"):
         assert hidden[name].difference == pytest.approx(error, rel=1e-3)
         assert hidden[name].bar < error / 2
         assert hidden[name].verdict == "differs", name
         assert shown[name].verdict == "agrees", name
-        assert shown[name].order == pytest.approx(2.0, abs=0.2)
-        # strength is off by as much as slip, and slip by that as well; shear traction is believed
-        # to be of first order
-        if name in (*slips, "shear traction, L1"):
+        # strength is off by as much as slip, and slip by that as well, more at narrow zones with 4h
+        if name in slips:
+            assert 1.75 < shown[name].order < 2.0
             assert bar < shown[name].bar < 3 * bar
         else:
-            assert shown[name].bar == pytest.approx(bar, abs=8e-3)
+            assert shown[name].order == pytest.approx(2.0, abs=0.05)
+            assert shown[name].bar == pytest.approx(bar, rel=0.02)
 
 
 def test_slip_where_none_is_predicted_differs():
