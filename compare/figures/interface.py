@@ -1,7 +1,7 @@
 """Figures of slip rate, tractions and the space–time map: prediction and simulation.
 
-Every function draws a `solution`, the prediction, as its own `plot` does, and the `history` of a
-simulation of the same scene, and returns a Figure.  Pass `axes` to draw into your own figure.
+Every function draws a `solution`, an exact prediction, as its own `plot` does, and the `history` of
+a simulation of the same scene, and returns a Figure.  Pass `axes` to draw into your own figure.
 """
 
 from __future__ import annotations
@@ -14,20 +14,17 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from compare.figures import style
-from semianalytic import Solution
-from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.plotting import draw_map, draw_profile, scene_title, shown_units
 
 Array = NDArray[np.float64]
-Exact = Solution | PairSolution
 
 POINTS = 1500
 
 
 @style.styled
 def interface_figure(
-    solution: Exact, history: InterfaceHistory, *, axes: tuple[Axes, Axes, Axes] | None = None
+    solution: Any, history: InterfaceHistory, *, axes: tuple[Axes, Axes, Axes] | None = None
 ) -> Figure:
     """Draw slip rate and tractions at the last time of the history, and the difference of rates."""
     scene, time = solution.scene, float(history.t[-1])
@@ -58,9 +55,7 @@ def interface_figure(
 
 
 @style.styled
-def fronts_figure(
-    solution: Exact, history: InterfaceHistory, *, axes: Axes | None = None
-) -> Figure:
+def fronts_figure(solution: Any, history: InterfaceHistory, *, axes: Axes | None = None) -> Figure:
     """Draw a space–time map of the simulated slip rate with predicted fronts and zone edges."""
     panel = axes or _new_panels(solution, (1,))[0]
     draw_map(solution, history, panel)
@@ -84,7 +79,7 @@ def fronts_figure(
     return _figure(panel)
 
 
-def _new_panels(solution: Exact, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
+def _new_panels(solution: Any, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
     """Return panels above each other, with these ratios of heights."""
     figure = style.new_figure(7, 3.5 + 1.2 * len(ratios))
     style.describe(figure, scene_title(solution.scene))

@@ -20,12 +20,12 @@ DEFAULT_FIGURE = "interface"
 
 
 @style.styled
-def answer_figure(answer: Any) -> Figure:
-    """Draw what `plot` draws of an answer, in our style."""
+def answer_figure(answer: Any, t: float | None = None) -> Figure:
+    """Draw what `plot` draws of an answer, at a time if that is given, in our style."""
     figure = style.new_figure(7, 4.7)
-    mapped = getattr(answer, "interface", None) is not None
+    mapped = t is None and getattr(answer, "interface", None) is not None
     panels = figure.subplots(1 if mapped else 2, sharex=True)
-    answer.plot(ax=panels)
+    answer.plot(ax=panels, t=t)
     for line in panels.lines if mapped else ():
         line.set_path_effects(style.outline())
     return style.describe(figure, scene_title(answer.scene))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,7 +96,8 @@ def solve_command(
     name = chosen(problem, method).name
     asked_for = points_of(problem, x, t)
     end_time = options.asked(problem, "end_time", end_time, "time")
-    draw = _drawing(plot, figure)
+    times = [*(asked_for.t if asked_for else ()), *([] if end_time is None else [end_time])]
+    draw = _drawing(plot, figure, max(times, default=None) if name == "self-similar" else None)
     if name == "space-time":
         from slipfront.cli.marching import march_command  # most scenes need no march
 
@@ -118,16 +120,18 @@ def solve_command(
     check_converged(solution, label)
 
 
-def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
-    """Return the function that draws the requested figure; its output path is checked first."""
+def _drawing(plot: Path | None, figure: str | None, t: float | None) -> Draw | None:
+    """Return what draws the requested figure, at a time; its output path is checked first."""
     if plot is None:
         if figure is not None:
             raise SceneError("--figure needs --plot; give both.")
         return None
     require("slipfront solve --plot", *PLOT)
-    from compare.figures.named import DEFAULT_FIGURE, find_figure
+    from compare.figures.named import DEFAULT_FIGURE, answer_figure, find_figure
     from compare.figures.saving import figure_format
 
     figure_format(plot)
     check_file(plot)
-    return find_figure(DEFAULT_FIGURE if figure is None else figure)
+    if figure is None or figure == DEFAULT_FIGURE:
+        return partial(answer_figure, t=t)
+    return find_figure(figure)
