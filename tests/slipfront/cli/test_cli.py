@@ -38,11 +38,11 @@ def test_an_open_contact_edge_has_no_intensity_and_no_minus(shown):
     assert "-0" not in line
 
 
-def test_a_plot_is_of_the_time_that_is_asked_for(tmp_path):
+def test_a_plot_is_of_the_time_that_is_asked_for(tmp_path, shown):
     """The last of --t, or the end time; without either that of a length of 1."""
-    asked = {"a": (), "b": ("--x", "0.1", "--t", "0.5"), "c": ("--end-time", "0.5")}
+    asked = {"a": "", "b": "--x 0.1 --t 0.5", "c": "--end-time 0.5"}
     for name, more in asked.items():
-        assert main(["solve", "preloaded", *more, "--plot", str(tmp_path / f"{name}.svg")]) == 0
+        shown(f"solve preloaded {more} --plot {name}.svg")
     a, b, c = ((tmp_path / f"{name}.svg").read_text() for name in asked)
     assert ("t = 1" in a, "t = 0.5" in b, "t = 0.5" in c) == (True, True, True)
 
