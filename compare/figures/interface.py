@@ -38,9 +38,6 @@ def interface_figure(
         if name in drawn:
             values = getattr(history, field)[-1, shown] * stress[0]
             middle.plot(x, values, ".", color=style.SIMULATION, markersize=2)
-    for line in middle.lines:
-        if line.get_label() == "pressure":  # has the colour of samples in a figure without them
-            line.set_color(style.BROWN)
     upper.plot(x, rate, ".", color=style.SIMULATION, markersize=3)
     difference = rate - solution.slip_rate(history.x[shown], time)
     lower.plot(x, difference, color=style.SIMULATION, linewidth=1)

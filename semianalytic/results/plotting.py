@@ -291,7 +291,7 @@ def draw_profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
         panels[1].plot(x * length[0], shear, label="shear traction")
         largest = np.nanmax(np.abs(shear), initial=0.0)
         if largest == 0 or np.nanmax(pressure) < _LARGE * largest:
-            panels[1].plot(x * length[0], pressure, label="pressure")
+            panels[1].plot(x * length[0], pressure, "--", color="0.3", label="pressure")
         if isinstance(getattr(scene, "friction", None), float):
             signs = {float(np.sign(value)) for value in (shear.min(), shear.max()) if value}
             for sign in signs:  # friction bounds the shear traction on the sides that it is on
