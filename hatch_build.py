@@ -1,4 +1,4 @@
-"""What a package index shows: README with absolute links, and the addresses of the project.
+"""README with absolute links, and the addresses of the project, for package indexes.
 
 The address of the repository is that of the forge that builds (GITHUB_SERVER_URL and
 GITHUB_REPOSITORY, which its workflows set).  Elsewhere none is known: pictures are left out, and

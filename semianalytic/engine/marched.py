@@ -43,7 +43,7 @@ SAME_TIME = 1e-9
 @asked_in_units
 @dataclass(frozen=True, eq=False)
 class Marched(AnswerInBodies, SampledAnswer):
-    """What happens on an interface from t = 0 until the end of a march, with its error estimates.
+    """Slip, tractions and gaps on an interface until the end of a march, with error estimates.
 
     Fields are known at the stored levels and interpolated linearly between them; totals, extremes
     and onsets are those of every step.
@@ -132,8 +132,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def steps(self) -> int:
         """Number of steps taken."""
-        start = self.checkpoint
-        return start.steps if isinstance(start, SlotCheckpoint) else len(self.totals.t) - 1
+        return len(self.totals.t) - 1
 
     @property
     def is_interrupted(self) -> bool:
@@ -191,11 +190,10 @@ class Marched(AnswerInBodies, SampledAnswer):
         which is not negative and tends to 0 as the grid is refined, and that of adhesion, which is
         strength x length / 2 per area that has parted.
         """
-        start = self.checkpoint
-        if isinstance(start, SlotCheckpoint):
-            return {"friction": float(self.totals.frictional_work[-1]), "closing": 0.0}
-        kept = {"friction": start.end.work, "closing": start.end.closing}
-        return {name: float(self._weights @ value) for name, value in kept.items()}
+        start, friction = self.checkpoint, float(self._weights @ self.final_work_density)
+        # beside a slot the contact stays closed: a scene that opens is marched along a line
+        meets = 0.0 if isinstance(start, SlotCheckpoint) else self._weights @ start.end.closing
+        return {"friction": friction, "closing": float(meets)}
 
     @cached_property
     def _sums(self) -> tuple[Array, Array]:

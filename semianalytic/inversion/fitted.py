@@ -237,7 +237,7 @@ class Fit:
 
     @cached_property
     def quoted(self) -> Quoted:
-        """What a laboratory quotes of the rupture, with errors; needs two solutions a parameter."""
+        """Front speed, stress drop, fracture energy and S; it takes two solutions a parameter."""
         return quoted(self.trials, self.solution, self.setup, self._deviations)
 
     def _deviations(self, slopes: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What a laboratory quotes of a rupture: front speed, stress drop, fracture energy, and S.
+"""Front speed, stress drop, fracture energy and S of a rupture, as laboratories quote them.
 
 At one place, with the shear traction tau_0 before loads, its peak tau_p, and its least value tau_r
 after the peak, all in the sense of slip delta:
@@ -35,7 +35,7 @@ QUOTED = {
 
 @dataclass(frozen=True, eq=False)
 class Quoted:
-    """What a laboratory quotes of a rupture, at places along the contact.
+    """Front speed, stress drop, fracture energy and S of a rupture, at places along the contact.
 
     Values have standard errors: the covariance of the fitted values, propagated by differences of
     solutions, and the error of the grid.  They are nan where nothing slips, and S also where the

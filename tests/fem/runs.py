@@ -78,7 +78,7 @@ def interrupted(scene, last, **options):
 
 
 OF_CLOCK = ("seconds",)
-"""What like simulations need not share: what the clock says."""
+"""Fields in which two equal simulations may differ: those of the clock."""
 
 
 def assert_same(one, other, but=OF_CLOCK):

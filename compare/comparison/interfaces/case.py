@@ -98,7 +98,7 @@ class LineCase(Case):
 
     @property
     def later(self) -> str:
-        """What follows the comparison with the run, in words."""
+        """Words on the comparison after the time until which the run is compared; "" without."""
         return ""
 
     @property

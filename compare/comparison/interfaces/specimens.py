@@ -101,7 +101,7 @@ class SpecimenCase(LineCase):
 
     @property
     def later(self) -> str:
-        """What follows the comparison with the run, in words."""
+        """Words on the comparison after the time until which the run is compared; "" without."""
         end = self.checked.t[-1]
         said = f"; half-planes until t = {self.until:.4g}, when the ends of the bodies are felt"
         return f"{said}, then meshes alone until {end:.4g}" if end > self.until else said
