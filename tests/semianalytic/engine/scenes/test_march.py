@@ -379,3 +379,22 @@ def test_laws_that_weaken_have_the_process_zone_of_mode_three():
     law = sf.SlipWeakening(1.0, 0.5, 0.1)
     in_plane, out = (unit_scene(0.5, law=law, mode=mode) for mode in MODES)
     assert process_zone(out) == pytest.approx((1 - UNIT.poisson_ratio) * process_zone(in_plane))
+
+
+@pytest.mark.parametrize("name", ["preloaded", "stuck", "antiplane"])
+def test_work_and_steps_beside_a_slot_are_those_of_the_totals_and_of_a_line(name):
+    """One way to read them for both kinds of march; where nothing slips there is no work."""
+    slot = sf.find(name)
+    if name == "stuck":
+        slot = replace(slot, base=slot.load, load=sf.Tractions(0.0, 0.0), load_on="slot")
+    line = replace(slot, contact=sf.Contact([(0.0, np.inf)]), period=6.0)
+    beside = march(slot, end_time=1.0, nodes=128, length=2.0, estimate=False)
+    along = march(line, end_time=1.0, nodes=384, estimate=False)
+    for run in (beside, along):
+        assert run.steps == len(run.totals.t) - 1
+        assert run.work["closing"] == 0.0
+        assert run.work["friction"] == pytest.approx(run.totals.frictional_work[-1], abs=1e-13)
+    scale = float(beside.totals.frictional_work[-1])
+    assert (scale == 0) == (name == "stuck")
+    # on a periodic line the contact has a second edge, half a period away
+    assert along.work["friction"] == pytest.approx(2 * scale, rel=1e-3, abs=1e-12)
