@@ -44,7 +44,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     places = raw.points / blocks.size
     complaint = _block_complaint(raw, places, blocks) or _side_complaint(raw, places, blocks)
     if complaint:
-        raise DataFileError(f"{path} is not the mesh asked for: {complaint}; delete it.")
+        raise DataFileError(f"{path} is not the requested mesh: {complaint}; delete it.")
     on_sides = np.unique(np.concatenate([side.ravel() for side in raw.sides.values()]))
     # zeros without a sign
     raw.points[:, on_sides] = blocks.size * np.rint(places[:, on_sides]) + 0.0

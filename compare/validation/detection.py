@@ -109,7 +109,7 @@ def last_time(run: Records) -> float:
     end = max(ends, default=0.0)
     if end <= 0:
         raise DataFileError(
-            f"{run.source or 'validate'}: nothing was recorded after t = 0, when the load comes; "
+            f"{run.source or 'validate'}: nothing was recorded after t = 0, when the load acts; "
             "shift the times (time_shift)."
         )
     return end

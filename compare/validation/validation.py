@@ -256,7 +256,7 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         places = [record.x for record in run.stations]
         begin = max(exact.scene.contact.intervals[0][0], -far)
         raise DataFileError(
-            f"{run.source or 'validate'}: no station lies on the contact where waves come until "
+            f"{run.source or 'validate'}: no station lies on the contact where waves arrive until "
             f"t = {exact.end_time:.4g} (positions {min(places, default=0):.4g} to "
             f"{max(places, default=0):.4g}, of {begin:.4g} to {far:.4g}); give the "
             "unit of positions or of times (scale)."

@@ -272,7 +272,7 @@ class Scene(AlongLine):
         name = f"a load of the kind {type(self.load).__name__}"
         if self.load_on != SLOT:
             raise SceneError(
-                f"scene: {name} says itself where it acts; leave out load_on, which is for "
+                f"scene: {name} determines where it acts; leave out load_on, which is for "
                 "tractions."
             )
         if not isinstance(self.load, IncidentWave):
@@ -466,8 +466,8 @@ class Scene(AlongLine):
         if self.front_slowness and self.far_slip_rate:
             raise SceneError(
                 "solve: the wave alone exceeds friction, so that the contact slips from its front "
-                "on, before anything comes from the slot; lower the wave, or raise friction or the "
-                "base pressure (docs/limits.md)."
+                "on, before any wave from the slot arrives; lower the wave, or raise friction or "
+                "the base pressure (docs/limits.md)."
             )
 
     def check_self_similar(self) -> None:

@@ -121,7 +121,7 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     load, stress = scaled_load(scene)
     if load.resistance is not None and load.resistance > tuning.STRONGEST_RESISTANCE:
         raise SceneError(
-            "solve: under so large a viscosity slip is below rounding; make it less than "
+            "solve: under so large a viscosity slip is below rounding; lower it below "
             f"{tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2:.3g} "
             "(docs/limits.md)."
         )

@@ -132,7 +132,7 @@ def solve_command(
 
 
 def _given(source: str) -> Scene:
-    """Return the scene of a name or a file, also of a file to which --save wrote an exact answer."""
+    """Return the scene of a name or a file, or of an exact answer that --save stored."""
     if Path(source).suffix != ".h5":
         return find(source)
     instead = "a TOML file, a solution that was saved, or a march to --go-on"

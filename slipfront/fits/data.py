@@ -185,7 +185,7 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
     """Refuse changes of tractions where nothing says what they are changes of."""
     if scene is None:
         raise DataFileError(
-            f"{run.source} holds changes of tractions; say of which scene, whose base is added."
+            f"{run.source} holds changes of tractions; name the scene whose base is to be added."
         )
     unknown = [name for name in fitted if name in _BASES or name.partition(":")[0] == "gain"]
     if not scene.on_line and scene.superposition.in_place != scene.base:

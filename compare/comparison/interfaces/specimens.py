@@ -77,8 +77,8 @@ def compare_specimen(
     samples = int(np.ceil(SAMPLES * end_time / until)) if until > 0 else MOST_SAMPLES + 1
     if samples > MOST_SAMPLES:
         raise SceneError(
-            "compare: the ends of the specimen are felt so soon that no half-plane is its answer "
-            "for any time; move the loads from the ends of the joint, or lower `size`."
+            "compare: the ends of the specimen send waves so early that half-planes describe it "
+            "at no time; move the loads from the ends of the joint, or lower `size`."
         )
     given = {"samples": samples, **options}
     meshes = [specimen.simulated(end_time, size=size, progress=progress, **given)]

@@ -214,7 +214,7 @@ def test_a_table_with_a_column_for_each_gauge(tmp_path):
     assert gauges[0].t.tolist() == [0, 1e-6]
     assert unread == ("trigger",)
     for name, place, message in (
-        ("SG1", ("exx", 0.02), "exx is of the bodies; say at which y"),
+        ("SG1", ("exx", 0.02), "exx is a quantity in the bodies; give y"),
         ("SG3", ("exx", 0.02, 0.1), "no column 'SG3'"),
         ("SG1", ("e", 0.02), "must be a quantity, x and"),
         ("D1", ("pressure", 0.02), "'um' in the name of 'D1 .um.' is no known unit of stress"),
