@@ -77,7 +77,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def inferred(self) -> tuple[str, ...]:
-        """Conventions that neither the file nor the caller has said, in words."""
+        """Conventions that neither the file nor the caller has stated, in words."""
         return self.detection.inferred
 
     @cached_property
@@ -87,7 +87,7 @@ class Validation(HasRows[JudgedRow]):
         "unresolved".
 
         "agrees after conversion" where that takes conventions which neither the file nor the
-        caller has said.
+        caller has stated.
         """
         motion = [row for row in self.rows if row.kind in MOTION]
         # That nothing slips where nothing should is no sign that slip is right where it is.
@@ -98,7 +98,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """Columns, arrays or fields of the files of which nothing is known."""
+        """Columns, arrays or fields of the files that are not known."""
         return tuple(dict.fromkeys(name for run in self.grids.runs for name in run.unread))
 
     @property

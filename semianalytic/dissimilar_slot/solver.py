@@ -267,7 +267,7 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
 
 
 def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: float) -> str:
-    """Return "converged", or a sentence that says what to distrust."""
+    """Return "converged", or a sentence on what is unreliable."""
     if not lawful:
         return "no set of zones was found that obeys the law of contact everywhere"
     # 0.26 to 0.37 is usual, 0.05 with an edge next to a wave front.

@@ -46,7 +46,7 @@ class Fit:
     unconstrained : tuple of str
         Parameters that the data do not constrain, alone or together.
     status : str
-        "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
+        "converged", or a sentence on what is unreliable. It also says so if the misfits, or the
         distances of estimates from their priors, would occur in only one fit in a million.
     solution : Solution
         Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.

@@ -122,7 +122,7 @@ class Scene(AlongLine):
     ------
     SceneError
         If friction is negative or not finite, if the mode or the place of the load is unknown, if
-        the base, or what a remote load makes of it, presses the interface apart, if the base cannot
+        the base, alone or with a remote load, is a tension, if the base cannot
         be at rest, if a remote load is no step, or if friction falls with slip rate faster than
         radiation can balance under the pressure in place.
 

@@ -211,7 +211,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
 
 
 def _status(best: Trial, estimate: float, rtol: float) -> str:
-    """Return "converged", or a sentence that says what to distrust."""
+    """Return "converged", or a sentence on what is unreliable."""
     nearly = _nearly_at_friction(best.profile.fields.load)
     if not best.lawful:
         return "no set of slip zones was found that fulfils Coulomb's law everywhere" + nearly

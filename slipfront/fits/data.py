@@ -39,7 +39,7 @@ def read_gauges(
     `Gauge` (or sigma_xx, eps_xy, v_x, ...).  Units follow in brackets where they are not those of
     the scene.  A column `noise` or NAME_noise holds standard deviations in the same unit.  Rows of
     equal x and y form a gauge; rows without y, or with y = 0, belong to the interface.  All files
-    that `slipfront validate` reads are accepted as well, and what they say of themselves counts:
+    that `slipfront validate` reads are accepted as well, and their own statements apply:
     motion of one face is doubled, and the base of the scene is added to changes of tractions.
 
     Parameters

@@ -69,7 +69,7 @@ REFUSED = {
         ("solve incident-sv --angle=-10 --wave-stress 2", "exceeds friction"),
         ("solve incident-p --method space-time --length 1", "would turn tensile"),
         # whole lines: commands of scenes with a slot name those that solve them
-        ("solve whole-line-patch --load-on remote", "says itself where it acts"),
+        ("solve whole-line-patch --load-on remote", "determines where it acts"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
         ("solve whole-line-patch --nodes 100", "is for the space-time solver; leave it out"),
         ("simulate whole-line-patch", "slipfront solve"),
