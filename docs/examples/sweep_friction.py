@@ -26,8 +26,8 @@ def main(folder: Path = Path(".")) -> float:
     swept = sf.sweep(SCENE, friction, rtol=1e-8)
     edges = swept.edges  # (frictions, zones, 2), NaN where there are fewer zones
     closed = np.array([edge_speed_under_shear_step(MATERIAL, f) for f in friction])
-    one = np.array([len(solution.zones) == 1 for solution in swept.solutions])
-    difference = float(np.abs(edges[one, 0, 1] / closed[one] - 1).max())
+    alone = np.array([len(solution.zones) == 1 for solution in swept.solutions])
+    difference = float(np.abs(edges[alone, 0, 1] / closed[alone] - 1).max())
 
     figure = describe(
         Figure(figsize=(6, 3.4), layout="constrained"),
@@ -35,7 +35,7 @@ def main(folder: Path = Path(".")) -> float:
     )
     axes = figure.subplots()
     axes.plot(friction, edges.reshape(len(friction), -1), ".", color="C0", markersize=3)
-    axes.plot(friction[one], closed[one], "k--", linewidth=1, label="closed form, one zone")
+    axes.plot(friction[alone], closed[alone], "k--", linewidth=1, label="closed form, one zone")
     axes.set(xlabel="f P_b / Q_0", ylabel="speed of zone edges / c_t", ylim=(0, 2.05))
     axes.legend()
     figure.savefig(folder / "sweep_friction.png", dpi=100)

@@ -313,7 +313,7 @@ class Specimen:
         """
         x, (left, right) = np.asarray(x, dtype=float), self.joint
         found, acts = np.full(len(x), math.inf), bool(self.load.pressure or self.load.shear)
-        ends = [left, *(one for part in sorted(self.contact.intervals) for one in part), right]
+        ends = [left, *(side for part in sorted(self.contact.intervals) for side in part), right]
         slots = [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if acts and a < b]
         for block in self.blocks:
             speed, sides = block.material.longitudinal_speed, ((left, "left"), (right, "right"))
@@ -334,7 +334,7 @@ class Specimen:
         held = {"guided"} if not self.load.pressure else set()
         held |= {"roller"} if not self.load.shear else set()
         return all(
-            getattr(one, name) == at and getattr(one, f"{name}_side") in held for one in self.blocks
+            getattr(box, name) == at and getattr(box, f"{name}_side") in held for box in self.blocks
         )
 
     def meshed(self, size: float | None, damping: float = DAMPING) -> tuple[Array, list[LineBlock]]:
@@ -343,7 +343,7 @@ class Specimen:
         x, firsts = self.nodes(size)
         blocks = []
         for block, first, sign in zip(self.blocks, firsts, (1.0, -1.0), strict=True):
-            one = LineBlock(
+            entry = LineBlock(
                 material=block.material,
                 columns=round((block.right - block.left) / size) + 1,
                 rows=round(block.height / size),
@@ -353,7 +353,7 @@ class Specimen:
                 first=first,
                 history=block.history,
             )
-            blocks.append(replace(one, load=side_forces(one, block.load, sign)))
+            blocks.append(replace(entry, load=side_forces(entry, block.load, sign)))
         return x, blocks
 
     def in_place(self, x: Array, blocks: list[LineBlock]) -> tuple[Array, Array]:

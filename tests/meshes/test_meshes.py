@@ -66,9 +66,9 @@ def exchange(*pairs):
     """Call sides what others are called, and vice versa."""
 
     def damage(raw):
-        for one, other in pairs:
+        for pair, other in pairs:
             sets = raw.cell_sets
-            sets[one], sets[other] = sets[other], sets[one]
+            sets[pair], sets[other] = sets[other], sets[pair]
 
     return damage
 
@@ -105,7 +105,7 @@ def test_sides_and_cells_are_those_of_the_blocks(damage, complaint, tmp_path, mo
 
 
 def test_free_walls_are_farther_away():
-    held, free = (causal_blocks(2.0, 1.0, 0.02, free_walls=one) for one in (False, True))
+    held, free = (causal_blocks(2.0, 1.0, 0.02, free_walls=choice) for choice in (False, True))
     assert free.left * 0.02 > 2.0 * 1.5
     assert (free.right, free.height) == (held.right, held.height)
 

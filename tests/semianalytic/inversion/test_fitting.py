@@ -197,7 +197,7 @@ def test_a_fit_that_holds_a_wrong_load_says_so(truth):
 @pytest.mark.parametrize(("more", "status"), [(1.2, "converged"), (1.6, "misfits are 1.6 times")])
 def test_noise_that_is_more_than_said_is_told_from_what_chance_does(truth, more, status):
     """120 samples tell 1.33 times the noise from chance."""
-    told = [replace(one, noise=NOISE / more) for one in records(truth, 4)]
+    told = [replace(record, noise=NOISE / more) for record in records(truth, 4)]
     assert sf.fit(told, PRELOADED, ("friction",), rtol=1e-6).status.startswith(status)
 
 

@@ -194,7 +194,7 @@ def test_a_contact_that_opens_is_refused_before_it_is_simulated(tmp_path, monkey
     (tmp_path / "opens.toml").write_text(opens)
     said = refused("compare opens.toml --resolution 50")
     assert said.startswith("the pressure would turn tensile at x = ")
-    assert [one.name for one in tmp_path.iterdir()] == ["opens.toml"]
+    assert [path.name for path in tmp_path.iterdir()] == ["opens.toml"]
 
 
 def test_a_march_that_misses_the_edge_says_which_option_to_raise(monkeypatch, shown):

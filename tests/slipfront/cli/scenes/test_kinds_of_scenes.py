@@ -126,7 +126,7 @@ def test_a_march_knows_the_intensity_of_the_moving_front(printed):
     stuck = printed("solve incident-sv --friction 5 --method space-time --nodes 40")
     marched = stuck["stress_intensity_of_a_stuck_edge"]
     exact = solve(replace(find("incident-sv"), friction=5.0)).stress_intensity(1.0)
-    assert list(marched.values()) == pytest.approx([float(one) for one in exact], rel=1e-12)
+    assert list(marched.values()) == pytest.approx([float(answer) for answer in exact], rel=1e-12)
 
 
 def test_sv_beyond_critical_is_marched_if_asked_for(printed):
