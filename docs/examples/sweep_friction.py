@@ -31,12 +31,12 @@ def main(folder: Path = Path(".")) -> float:
 
     figure = describe(
         Figure(figsize=(6, 3.4), layout="constrained"),
-        "ν = 1/3, a step of shear Q₀ on pressure P_b",
+        "ν = 1/3, a step of shear $Q_0$ on pressure $P_b$",
     )
     axes = figure.subplots()
     axes.plot(friction, edges.reshape(len(friction), -1), ".", color="C0", markersize=3)
     axes.plot(friction[alone], closed[alone], "k--", linewidth=1, label="closed form, one zone")
-    axes.set(xlabel="f P_b / Q_0", ylabel="speed of zone edges / c_t", ylim=(0, 2.05))
+    axes.set(xlabel="$f P_b / Q_0$", ylabel="speed of zone edges $/ c_t$", ylim=(0, 2.05))
     axes.legend()
     figure.savefig(folder / "sweep_friction.png", dpi=100)
     scratch = int(swept.from_scratch.sum())

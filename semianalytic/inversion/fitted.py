@@ -109,13 +109,15 @@ class Fit:
         caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
         return html_table(caption, ("parameter", "value", "error"), rows)
 
-    def error_in_words(self, number: int) -> str:
+    def error_in_words(self, number: int, factor: float = 1.0) -> str:
         """Return the error of a value as text, with two sides where they differ.
 
         Parameters
         ----------
         number : int
             Place of the parameter.
+        factor : float
+            By which numbers are multiplied, for another unit.
 
         Returns
         -------
@@ -128,8 +130,8 @@ class Fit:
         below, above = np.abs(self.interval[number] - self.values[number])
         # Ends that were not sought apart are one standard error away, but for rounding.
         if max(abs(above - error), abs(below - error)) < 1e-6 * error:
-            return f"± {error:.2g}"
-        return f"+{above:.2g} -{below:.2g}"
+            return f"± {error * factor:.2g}"
+        return f"+{above * factor:.2g} -{below * factor:.2g}"
 
     @property
     def scene(self) -> Scene:
