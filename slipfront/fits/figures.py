@@ -13,7 +13,7 @@ from compare.figures import style
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
-from semianalytic.results.plotting import SHOWN
+from semianalytic.results.plotting import SHOWN, with_unit
 from semianalytic.scene.units import SI, unit
 from slipfront.fits.documents import dimension
 
@@ -104,7 +104,7 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     }
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
     for key, numbers in list(lines.items())[:PANELS]:
-        place = "" if key[1] is None else f" at y = {_with_unit(fit, 'length', key[1])}"
+        place = "" if key[1] is None else f" at y = {_written(fit, 'length', key[1])}"
         curves = list(_over_place(fit, numbers, residuals, bands))
         yield _panel(fit, fit.gauges[numbers[0]], place, "x", curves)
     room = max(PANELS - len(lines), 1)
@@ -113,8 +113,8 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
         fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
         residual = residuals[i] / gauge.noise
         curve = _Curve(gauge.t, gauge.values, residual, bands[i], fine, fit.seen(gauge, fine), "")
-        place = f" at x = {_with_unit(fit, 'length', gauge.x)}"
-        place += "" if gauge.y is None else f", y = {_with_unit(fit, 'length', gauge.y)}"
+        place = f" at x = {_written(fit, 'length', gauge.x)}"
+        place += "" if gauge.y is None else f", y = {_written(fit, 'length', gauge.y)}"
         yield _panel(fit, gauge, place, "t", [curve])
 
 
@@ -136,10 +136,8 @@ def _shown(fit: Fit, dimension: str, size: float) -> _Unit:
     return next((choice for choice in of if choice[0] * abs(size) >= 2), of[-1])
 
 
-def _with_unit(fit: Fit, dimension: str, value: float) -> str:
-    """Write a value with its unit, if the scene has units."""
-    factor, name = _shown(fit, dimension, value)
-    return f"{value * factor:.4g}" + (f" {name}" if fit.scene.units else "")
+def _written(fit: Fit, dimension: str, value: float) -> str:
+    return with_unit(value, _shown(fit, dimension, value))
 
 
 def _in_units(axis: Axis, factor: float) -> None:
@@ -165,7 +163,7 @@ def _over_place(
                 residual = residuals[i][here[0]] / noise
                 rows.append((gauge.x, gauge.values[here[0]], residual, *bands[i][:, here[0]]))
         x, recorded, residual, *band = np.array(sorted(rows)).T
-        words = f"t = {_with_unit(fit, 'time', t)}"
+        words = f"t = {_written(fit, 'time', t)}"
         yield _Curve(x, recorded, residual, np.array(band), x, band[0], words)
 
 
@@ -202,7 +200,12 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
     axes = figure.subplots(p, p, squeeze=False)
     spread = np.where(np.isfinite(errors), errors, np.maximum(np.abs(fit.values), 1e-300))
     ranges = [_range(fit, k, float(spread[k])) for k in range(p)]
-    units = [_unit_of(fit, k) for k in range(p)]
+    names = [dimension(name, fit.scene) for name in fit.parameters]
+    units = [_shown(fit, *of) for of in zip(names, fit.values.tolist(), strict=True)]
+    labels = [
+        name.replace("_", " ") + f" [{of}]" * (of != "1")
+        for name, (_, of) in zip(fit.parameters, units, strict=True)
+    ]
     for row in range(p):
         for column in range(p):
             panel = axes[row, column]
@@ -217,23 +220,13 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
             else:
                 _draw_correlation(panel, float(fit.correlation[row, column]))
             if row == p - 1:
-                panel.set_xlabel(_axis(fit, column), fontsize=style.SMALL)
+                panel.set_xlabel(labels[column], fontsize=style.SMALL)
             if column == 0 and row:
-                panel.set_ylabel(_axis(fit, row), fontsize=style.SMALL)
+                panel.set_ylabel(labels[row], fontsize=style.SMALL)
     handles = [style.line_handle("50 and 90 % by the covariance", style.PREDICTION)]
     if len(fit.minima) > 1:
         handles.append(style.marker_handle("other minima", style.VERMILLION, "x"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=style.SMALL)
-
-
-def _unit_of(fit: Fit, number: int) -> _Unit:
-    """Return the unit of a parameter."""
-    return _shown(fit, dimension(fit.parameters[number], fit.scene), float(fit.values[number]))
-
-
-def _axis(fit: Fit, number: int) -> str:
-    name = _unit_of(fit, number)[1]
-    return fit.parameters[number].replace("_", " ") + (f" [{name}]" if name != "1" else "")
 
 
 def _range(fit: Fit, number: int, error: float) -> tuple[float, float]:

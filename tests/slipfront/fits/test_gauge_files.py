@@ -98,7 +98,7 @@ def test_bad_files_are_one_sentence(tmp_path, text, message):
 
 
 def test_no_file_is_refused(tmp_path):
-    with pytest.raises(DataFileError, match="name one at least"):
+    with pytest.raises(DataFileError, match="name at least one"):
         read_gauges([])
     with pytest.raises(DataFileError, match="does not exist"):
         read_gauges([tmp_path / "b.csv"])
@@ -159,7 +159,7 @@ def test_gauges_are_what_files_say_of_their_columns(kind, tmp_path):
 
 def test_what_does_not_follow_from_a_file_is_refused(tmp_path):
     change = station_files(tmp_path, *KINDS["change"][:2])
-    with pytest.raises(DataFileError, match="say of which scene"):
+    with pytest.raises(DataFileError, match="name the scene"):
         read_gauges(change, {"": 1.0})
     for name in ("base_shear", "gain"):
         with pytest.raises(DataFileError, match=f"do not say {name}"):

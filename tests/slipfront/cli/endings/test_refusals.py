@@ -86,7 +86,7 @@ REFUSED = {
         ("solve remote-shock --lower-density 2", 'load_on = "remote": between different bodies'),
         ("solve incident-p --lower-density 2", "the load is a wave or moves: between different"),
         ("solve whole-line-patch --lower-density 2", "of equal bodies and constant friction"),
-        ("solve two.toml --friction 0.95", "and nothing has an answer"),
+        ("solve two.toml --friction 0.95", "and no answer exists"),
         (
             "survey two.toml --lower-density 1,2 --nodes 64",
             "two different bodies are solved exactly",
@@ -118,7 +118,7 @@ REFUSED = {
         ("--friction=-1:1:3:log", "--friction must be a number, a row as"),
         ("--friction 0.1:0.9:10000000000", "--friction must be at most 1e+07 values"),
         ("--friction 0.1:1e400:3", "--friction must be a finite number, got '1e400'"),
-        ("--friction 0.2", "give a row of values"),
+        ("--friction 0.2", "give values of at least one"),
     ],
     "survey preloaded --quiet --friction 0.1,0.2": [
         ("--output file/a.nc", "Cannot write file/a.nc", 3),
