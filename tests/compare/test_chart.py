@@ -214,7 +214,7 @@ def test_findings_follow_from_points():
     (found,) = findings(law)
     assert (found.cheapest, found.cheapest_error) == (10.0, law[0].error)
     assert (found.seconds_to_percent, found.least_error) == (50.0, law[-1].error)
-    assert "no other method judges it" in judged_by([made(method="exact")], "preloaded")
+    assert "is compared with no other" in judged_by([made(method="exact")], "preloaded")
     table, *_ = described(law)
     assert table.row_count == 1
 

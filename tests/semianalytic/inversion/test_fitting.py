@@ -235,7 +235,7 @@ def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
     ("names", "message"),
     [
         ((), "at least one parameter"),
-        (("friction", "friction"), "each of them once"),
+        (("friction", "friction"), "each one once"),
         (("youngs_modulus",), "parameters must be among"),
         (("gain:left",), "belongs to no gauge"),
         (("viscosity",), "needs a scene with friction of a positive"),

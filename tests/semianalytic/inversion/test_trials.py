@@ -294,7 +294,7 @@ def test_gauges_see_between_frames_and_nodes(truth):
     ("change", "message"),
     [
         ({"parameters": "law.dist"}, "parameters must be among .*friction_law_distance"),
-        ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each of them once"),
+        ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each one once"),
         ({"scene": sf.find("preloaded"), "parameters": "friction"}, "no effect on a scene"),
         ({"quantity": "exx", "y": 0.1}, "nearer to the interface than nodes"),
         ({"quantity": "vz", "y": 0.1}, "zero in this scene"),

@@ -401,7 +401,7 @@ def test_what_has_no_derivative_is_refused():
         with pytest.raises(SceneError, match="constant and viscous friction only"):
             solve(weakening).derivative(name)
     tapped = solve(unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"))
-    with pytest.raises(SceneError, match="the gap is that of the same scene in the plane"):
+    with pytest.raises(SceneError, match="the gap is that of the same scene in plane strain"):
         tapped.derivative("base_pressure").gap(1.0, 1.0)
     with pytest.raises(SceneError, match="positive positions"):
         solve(PRELOADED).derivative("friction").slip_rate(-1.0, 1.0)
