@@ -27,7 +27,7 @@ def with_companions(
 
     Only what is missing is run, in about an eighth and a sixty-fourth of the time.  A companion is
     left out where its resolution would be below 8, or friction falls too fast with slip rate for
-    it; so are those that would follow it.  It need not follow the loads.
+    it; so are those that would follow it.  It may be too coarse for the loads.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _coarser(
 ) -> Simulation | None:
     """Run the same simulation at another resolution; None if none is possible at that resolution.
 
-    It need not follow the loads; if it misses parts of them, error bars become wide.
+    It may be too coarse for the loads; error bars then become wide.
     """
     if resolution < LEAST_RESOLUTION:
         return None

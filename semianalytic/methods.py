@@ -42,7 +42,7 @@ _OWN = list(dict.fromkeys(row.name for row in METHODS))
 
 
 def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
-    """Solve a problem for what happens on its interface, by the first method that takes it.
+    """Solve a problem by the first method that applies to it.
 
     Parameters
     ----------

@@ -218,7 +218,7 @@ def sweep(
     -------
     Sweep
         Solutions that are "from scratch" or "computed" have passed the same checks as that of
-        `solve`.  Those "interpolated" lie between such with the same zones.  Over friction their
+        `solve`.  Those "interpolated" lie between these.  Over friction their
         Coulomb inequalities and their edges were checked on the loose rule only (to 1e-3 and, in
         edge unknowns, 1e-2); finer than that they rest on the difference of interpolations through
         fewer and more neighbours.  Over friction and Poisson ratio their edges fulfil the edge
