@@ -30,7 +30,7 @@ class Method(NamedTuple):
 
 
 METHODS = (
-    Method("self-similar", "Scene", "selfsimilar.solver", "a slot beside a contact: step loads"),
+    Method("self-similar", "Scene", "selfsimilar.solver", "a slot next to a contact: step loads"),
     Method("self-similar", "Scene of two solids", "dissimilar_slot.solver", "between two bodies"),
     Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
     Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),

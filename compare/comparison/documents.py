@@ -280,7 +280,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
 
 
 def _beside_slot(marched: Marched) -> dict[str, Any]:
-    """Return what a march beside a slot says besides: onsets, a stuck edge, and its cost."""
+    """Return what a march next to a slot says besides: onsets, a stuck edge, and its cost."""
     scene, onset, x, known = (
         marched.scene,
         marched.seen.onset,

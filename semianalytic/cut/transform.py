@@ -140,7 +140,7 @@ class ZoneTransform(GivenZones):
 
     @property
     def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
-        """Terms (edge, r) of T beside C + R: those given."""
+        """Terms (edge, r) of T in addition to C + R: those given."""
         return self.closing
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The nodes of a march beside a slot, whose ends send no wave back, and what it goes on from."""
+"""The nodes of a march next to a slot, whose ends send no wave back, and what it goes on from."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class ContactGrid:
 
 @dataclass(frozen=True, eq=False)
 class SlotCheckpoint:
-    """Everything from which a march beside a slot goes on, and what it was asked for.
+    """Everything from which a march next to a slot goes on, and what it was asked for.
 
     Attributes
     ----------

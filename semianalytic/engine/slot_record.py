@@ -1,4 +1,4 @@
-"""A march beside a slot under way, and its record: fields at stored levels, totals of all."""
+"""A march next to a slot under way, and its record: fields at stored levels, totals of all."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The continuation of zones in friction: found at a few values, followed through the others.
 
-Edges are smooth functions of friction as long as the zones stay the same.  Beside frictions
+Edges are smooth functions of friction as long as the zones stay the same.  Next to frictions
 solved from scratch they are predicted and corrected by Newton's method on many frictions at
 once; every one is checked for Coulomb's law.  Where the check or Newton's method fails, zones
 have changed, and that friction is solved from scratch.  Where interpolations between them agree

@@ -223,7 +223,7 @@ def corrected(
         rule = rule_for(float(predictions.tolerance[asked].min()))
         profile = Profile(sets.chosen(asked).fields(unknowns[:, asked], rule))
         lawful[asked] = admissible(profile, min(rtol, tuning.LOOSEST_LAW))
-        # Beside other zones a small one may lie between the nodes; where neighbours all agree,
+        # Next to other zones a small one may lie between the nodes; where neighbours all agree,
         # their own estimates hold it.
         estimate[asked] += missed_slip(profile)
         sound &= estimate <= rtol

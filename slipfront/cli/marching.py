@@ -1,4 +1,4 @@
-"""``slipfront solve`` of scenes that are marched, beside a slot or along a line."""
+"""``slipfront solve`` of scenes that are marched, next to a slot or along a line."""
 
 from __future__ import annotations
 

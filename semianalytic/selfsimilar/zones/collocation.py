@@ -160,7 +160,7 @@ def slip_on_grid(
         eta = np.full(len(stiffness), load.resistance)
         if load.opened is not None:
             eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
-        # Beside an opening the matrix is lumped: the film of a closed node then depends on V at
+        # Next to an opening the matrix is lumped: the film of a closed node then depends on V at
         # that node alone.
         gram = grid.gram if load.opened is None else np.eye(*grid.gram.shape) * grid.weight[:, None]
         stiffness = stiffness + eta[:, None] * gram[:, :-1]
