@@ -193,9 +193,8 @@ def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
 
 
 def _values_table(found: Fit) -> PrintedTable:
-    table = PrintedTable("parameter", title=f"Fit: {found.status}")
-    for name in ("value", "error", "unit"):
-        table.add_column(name, justify="left" if name == "unit" else "right")
+    table = PrintedTable("parameter", numbers=("value", "error"), title=f"Fit: {found.status}")
+    table.add_column("unit")
     for number, name in enumerate(found.parameters):
         table.add_row(
             name,
@@ -207,9 +206,9 @@ def _values_table(found: Fit) -> PrintedTable:
 
 
 def _rupture_table(found: Fit) -> PrintedTable:
-    table, units = PrintedTable(title="Rupture"), found.scene.units
-    for name, kind in {"x": "length", **QUOTED}.items():
-        table.add_column(escape(f"{name.replace('_', ' ')} [{unit(kind, units)}]"), justify="right")
+    kinds, units = {"x": "length", **QUOTED}.items(), found.scene.units
+    headings = (escape(f"{n.replace('_', ' ')} [{unit(kind, units)}]") for n, kind in kinds)
+    table = PrintedTable(numbers=headings, title="Rupture")
     for place, x in enumerate(found.quoted.x):
         pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
         cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
@@ -218,10 +217,9 @@ def _rupture_table(found: Fit) -> PrintedTable:
 
 
 def _gauges_table(found: Fit, most: int = 12) -> PrintedTable:
-    table = PrintedTable("gauge", "quantity", title="Gauges")
     length = unit("length", found.scene.units)
-    for name in (f"x [{length}]", f"y [{length}]", "samples", "chi2"):
-        table.add_column(escape(name), justify="right")
+    numbers = *(escape(f"{axis} [{length}]") for axis in "xy"), "samples", "chi2"
+    table = PrintedTable("gauge", "quantity", numbers=numbers, title="Gauges")
     rows = list(zip(found.gauges, found.residuals, strict=True))
     for gauge, residual in rows[:most]:
         table.add_row(
