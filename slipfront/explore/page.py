@@ -24,10 +24,7 @@ from slipfront.explore import jobs, views
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
     CHOICES,
-    HISTORIES,
-    LAWS,
-    LOADS,
-    LOWER,
+    PARTS,
     defaults,
     query_of,
     scene_of,
@@ -108,7 +105,7 @@ class Session:
             quantities=(views.SPEED, views.DISPLACEMENT),
             given={
                 **self._opened(query),
-                "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS, "lower_body": LOWER},
+                "shown": PARTS,
                 "kinds": list(SHADES.items()),
                 "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
             },
