@@ -217,7 +217,7 @@ def march(
     if slowness < 0 and wave_slips_ahead(scene, latest + length * abs(slowness)):
         raise SceneError(
             "march: the wave alone exceeds friction, so that the contact slips from its front "
-            "on, before anything comes from the slot; lower the wave, or raise friction or the "
+            "on, before any wave from the slot arrives; lower the wave, or raise friction or the "
             "base pressure (docs/limits.md)."
         )
     options: dict[str, Any] = {
@@ -292,7 +292,7 @@ def _continued(
     end_time = _check_range("end_time", end_time, marched.end_time)
     if end_time > latest:
         raise SceneError(
-            f"march: this run can go on to {latest:.6g}; for more, start again with a "
+            f"march: this run can be continued to {latest:.6g}; for more, start again with a "
             "later `latest`."
         )
     # the order was seen until the time that the march had reached, under its loads alone

@@ -73,13 +73,13 @@ def under_state(evolution):
     return scene_along(UNIT, law, 16.0, 1.0, 0.3, rate=1e-3)
 
 
-def assert_same(one, other):
+def assert_same(left, other):
     for name in FIELDS:
-        first, second = getattr(one.interface, name), getattr(other.interface, name)
+        first, second = getattr(left.interface, name), getattr(other.interface, name)
         assert np.array_equal(first, second, equal_nan=True), name
-    for first, second in ((one.totals, other.totals), (one.seen, other.seen)):
+    for first, second in ((left.totals, other.totals), (left.seen, other.seen)):
         assert all(map(np.array_equal, vars(first).values(), vars(second).values()))
-    assert one.work == other.work
+    assert left.work == other.work
 
 
 @pytest.mark.thinned(2)
