@@ -1,4 +1,4 @@
-"""Answers to the problem sheets: solved or marched when they are asked for; of interfaces, stored.
+"""Answers to the problem sheets: stored, or solved or marched when they are asked for.
 
 Exact answers are sure to ten digits, between different bodies to nine, and written so; what comes
 of grids is written to seven digits at most, with a stated error.
@@ -76,7 +76,7 @@ Answered = Any
 @cache
 def answer_to(sheet: Sheet) -> Answered:
     """The answer to a sheet, solved, marched or read; raises as `stored_text` and the solvers."""
-    if not sheet.is_interface:
+    if not sheet.nodes:
         return solve(sheet.problem, **_settings(sheet))
     document = json.loads(stored_text(f"{sheet.name}.json"))
     values = {name: np.array(rows, dtype=float) for name, rows in document["answers"].items()}
@@ -86,10 +86,12 @@ def answer_to(sheet: Sheet) -> Answered:
 
 
 def _settings(sheet: Sheet) -> dict[str, Any]:
+    if sheet.is_interface:
+        return {"times": list(sheet.times)}
     if sheet.is_marched:
         return {"method": "space-time", "end_time": 1.0, "nodes": NODES}
-    if not sheet.problem.has_slot:
-        return {}  # whole lines are exact to rounding
+    if not sheet.problem.has_slot or sheet.problem.grows:
+        return {}  # exact to rounding
     return {"rtol": RTOL if sheet.problem.lower_material is None else PAIR_RTOL}
 
 
@@ -165,7 +167,7 @@ def numbers_of(sheet: Sheet) -> dict[str, Any]:
         numbers["arrivals"] = [None if math.isinf(time) else time for time in times]
     if isinstance(answer, Stored):
         return {**numbers, "slip": answer.values["slip"][-1].tolist()}
-    return {**numbers, **{name: float(getattr(answer, name)(1.0)) for name in TOTALS}}
+    return {**numbers, **{name: float(getattr(answer, name)(sheet.end_time)) for name in TOTALS}}
 
 
 def field_of(sheet: Sheet, name: str, answer: Answered) -> Array:
@@ -175,7 +177,7 @@ def field_of(sheet: Sheet, name: str, answer: Answered) -> Array:
 
 def fields_of(sheet: Sheet, answer: Answered) -> dict[str, Array]:
     """Every quantity of an answer at the times and stations of its sheet, (m, k)."""
-    names = sheet.report if isinstance(answer, Stored) else QUANTITIES
+    names = sheet.report if sheet.is_interface else QUANTITIES
     return {name: field_of(sheet, name, answer) for name in names}
 
 
@@ -189,6 +191,8 @@ def stated_errors(sheet: Sheet) -> dict[str, float]:
         return dict(answer.errors)
     if method_of(answer) != "space-time":
         return {}
+    if sheet.is_interface:
+        return {name: answer.error_estimates[name] for name in sheet.report}
     return {
         name: float(answer.error_of(partial(field_of, sheet, name)).sum() / np.abs(values).sum())
         for name, values in fields_of(sheet, answer).items()

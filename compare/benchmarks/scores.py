@@ -207,7 +207,7 @@ def _relative_error(
     size = scale(sheet.problem)
     for station in stations:
         step = step if name == "slip_rate" else 0.0
-        t, values, exact = _both(answer, station, name, step)
+        t, values, exact = _both(sheet, answer, station, name, step)
         known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is not
         if known.sum() > 1:
             t, values, exact = t[known], values[known], exact[known]
@@ -219,14 +219,14 @@ def _relative_error(
 
 
 def _both(
-    answer: answers.Answered, record: Record, name: str, step: float
+    sheet: Sheet, answer: answers.Answered, record: Record, name: str, step: float
 ) -> tuple[Array, Array, Array]:
     """Times, values of a record and exact ones, (n,); values that it does not hold are nan."""
     values = record.values.get(name, np.full(len(record.t), math.nan))
-    if isinstance(answer, answers.Stored):
+    if sheet.is_interface:
         # Fronts are so sharp that only a record, which has the steps of its code, may be
         # interpolated.  A mean from t to t + step counts for the middle.
-        t = answer.t[(answer.t >= record.t[0]) & (answer.t <= record.t[-1])]
+        t = np.array([time for time in sheet.times if record.t[0] <= time <= record.t[-1]])
         values = np.interp(t, record.t + step / 2, values)
         return t, values, answers.values_of(answer, name, record.x, t)
     t, exact = record.t, answers.values_of(answer, name, record.x, record.t)
