@@ -10,7 +10,7 @@ import csv
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from io import StringIO
@@ -50,7 +50,8 @@ class Stored:
     t : (m,) array
         Times [time].
     values : mapping of str to (m, k) array
-        The quantities that the sheet asks for.
+        The quantities that the sheet asks for, which are functions of x and t as of any answer: at
+        the nearest stations and times.
     arrivals : (k,) array
         First times at which the slip rate is above the level of the sheet [time]; inf if never.
     errors : mapping
@@ -63,6 +64,11 @@ class Stored:
     values: Mapping[str, Array]
     arrivals: Array
     errors: Mapping[str, float]
+
+    def __getattr__(self, name: str) -> Callable[[ArrayLike, ArrayLike], Array]:
+        if name not in QUANTITIES:
+            raise AttributeError(name)
+        return lambda x, t: self.values[name][_nearest(self.t, t), _nearest(self.x, x)]
 
 
 def _nearest(known: Array, given: ArrayLike) -> NDArray[np.intp]:
@@ -101,12 +107,7 @@ def checksums(contents: Mapping[str, bytes]) -> str:
 
 
 def values_of(answer: Answered, name: str, x: ArrayLike, t: ArrayLike) -> Array:
-    """Return one of `QUANTITIES` of an answer at positions and times, of broadcast shape.
-
-    For interfaces it is that at the nearest stations and times.
-    """
-    if isinstance(answer, Stored):
-        return np.asarray(answer.values[name][_nearest(answer.t, t), _nearest(answer.x, x)])
+    """Return one of `QUANTITIES` of an answer at positions and times, of broadcast shape."""
     return np.asarray(getattr(answer, name)(x, t))
 
 
