@@ -248,7 +248,7 @@ def make_plan(
     *,
     full: bool = False,
 ) -> Plan:
-    """Make the plan of a run from the arguments of `simulate`, `prepare` and `cost`.
+    """Make the plan of a run from the arguments of `simulate` and `cost`.
 
     Options are fields of `Settings`, in place of those of `settings`; `full` observes whole fields.
 

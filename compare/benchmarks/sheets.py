@@ -6,7 +6,6 @@ units of its own.  data/sheets.toml states those with classes; every other named
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 import tomllib
@@ -22,6 +21,7 @@ import numpy as np
 from compare.records.record import QUANTITIES
 from semianalytic import Scene, find
 from semianalytic.methods import chosen
+from semianalytic.scene.checks import meant
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
 from semianalytic.scene.given.files import scene_of_file
@@ -190,8 +190,7 @@ def find_sheet(name: str) -> Sheet:
     if name in NAMED_SPECIMENS:
         find(name)  # refuses it
     known = sheet_names()
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(known)}."
+    hint = meant(name, known, f"choose {', '.join(known)}.", 0.5)
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")
 
 

@@ -135,9 +135,9 @@ def write_chart(
 
 def described(points: Sequence[Point]) -> Iterator[PrintedTable | str]:
     """Yield a table of what points say, and sentences on references and on refusals."""
-    table = PrintedTable("scene", "method", title="Relative error against processor time")
-    for name in ("cheapest [s]", "its error", "least error", "1 % in [s]", "slope"):
-        table.add_column(name, justify="right")
+    numbers = "cheapest [s]", "its error", "least error", "1 % in [s]", "slope"
+    title = "Relative error against processor time"
+    table = PrintedTable("scene", "method", numbers=numbers, title=title)
     for row in findings(points):
         words = [f"{number:.2g}" for number in astuple(row)[2:]]
         table.add_row(row.scene, row.method, *("—" if word == "nan" else word for word in words))

@@ -12,7 +12,6 @@ from importlib.resources import as_file, files
 from itertools import chain
 from typing import Any, Literal, ParamSpec
 
-import numpy as np
 from matplotlib import RcParams, rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
@@ -80,20 +79,14 @@ def look() -> Iterator[None]:
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Decorate a function that draws a figure, so that it draws in our `look`.
-
-    The argument `axes` of the function may be axes of the user's own figure.
-    """
+    """Decorate a function that draws a figure, so that it draws in our `look`."""
 
     @wraps(draw)
     def drawn(*args: P.args, **options: P.kwargs) -> Figure:
-        own: Any = options.get("axes")
-        before = [line for panel in np.ravel(own) for line in panel.lines] if own else []
         with look():
             figure = draw(*args, **options)
-            for line in _lines(figure):
-                if line not in before:  # fix the colour "C0" now; saving may use another cycle
-                    line.set_color(to_hex(line.get_color()))
+            for line in _lines(figure):  # fix the colour "C0" now; saving may use another cycle
+                line.set_color(to_hex(line.get_color()))
         return figure
 
     return drawn

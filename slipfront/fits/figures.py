@@ -13,7 +13,7 @@ from compare.figures import style
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
-from semianalytic.scene.units import unit
+from semianalytic.scene.units import unit, with_unit
 from slipfront.fits.documents import dimension
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     groups: dict[tuple[str, float | None], list[int]] = {}
     for number, gauge in enumerate(fit.gauges):
         groups.setdefault((gauge.quantity, gauge.y), []).append(number)
-    residuals = fit.residuals
+    residuals, units = fit.residuals, fit.scene.units
     bands = [np.array(band) for band in fit.forecast()]
     lines = {
         key: numbers
@@ -91,7 +91,8 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     }
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
     for key, numbers in list(lines.items())[:PANELS]:
-        title = f"{key[0]}" + ("" if key[1] is None else f" at y = {_length(fit, key[1])}")
+        quantity, y = key
+        title = quantity if y is None else f"{quantity} at y = {with_unit(y, 'length', units)}"
         curves = list(_over_place(fit, numbers, residuals, bands))
         yield _Panel(_with_unit(fit, fit.gauges[numbers[0]], title), "x", curves)
     room = max(PANELS - len(lines), 1)
@@ -100,15 +101,10 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
         fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
         residual = residuals[i] / gauge.noise
         curve = _Curve(gauge.t, gauge.values, residual, bands[i], fine, fit.seen(gauge, fine), "")
-        place = f"x = {_length(fit, gauge.x)}"
-        place += "" if gauge.y is None else f", y = {_length(fit, gauge.y)}"
+        place = f"x = {with_unit(gauge.x, 'length', units)}"
+        place += "" if gauge.y is None else f", y = {with_unit(gauge.y, 'length', units)}"
         title = f"{gauge.quantity} at {place}"
         yield _Panel(_with_unit(fit, gauge, title), "t", [curve])
-
-
-def _length(fit: Fit, value: float) -> str:
-    """Write a position with its unit, if the scene has units."""
-    return f"{value:.4g} {unit('length', fit.scene.units)}" if fit.scene.units else f"{value:.4g}"
 
 
 def _even(count: int, shown: int) -> list[int]:
@@ -133,7 +129,7 @@ def _over_place(
                 residual = residuals[i][here[0]] / noise
                 rows.append((gauge.x, gauge.values[here[0]], residual, *bands[i][:, here[0]]))
         x, recorded, residual, *band = np.array(sorted(rows)).T
-        words = f"t = {t:.4g}" + (f" {unit('time', fit.scene.units)}" if fit.scene.units else "")
+        words = f"t = {with_unit(t, 'time', fit.scene.units)}"
         yield _Curve(x, recorded, residual, np.array(band), x, band[0], words)
 
 

@@ -277,13 +277,6 @@ def packed(columns: Columns) -> bytes:
     return stream.getvalue()
 
 
-def held(data: bytes) -> tuple[set[str], int]:
-    """Return the names of packed arrays and the number of zones."""
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        zones = arrays["sense"].shape[1] if "sense" in arrays else 0
-        return set(arrays.files), zones
-
-
 def unpacked(data: bytes) -> Columns:
     """Return the arrays that `packed` has packed."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:

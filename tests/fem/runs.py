@@ -9,6 +9,8 @@ from catalogue import PRELOADED, SHOCK, unit_scene
 
 import semianalytic as sf
 from fem import simulate
+from fem.model import build
+from fem.plan import make_plan
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 MIXED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5))
@@ -48,6 +50,11 @@ def mixed(history, law=LAWS["coulomb"]):
     """Shear and pressure, the pressure in waves, on an interface sheared beforehand."""
     histories = {"pressure_history": sf.Harmonic(1.0), "shear_history": history}
     return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), law=law, **histories)
+
+
+def prepare(scene, end_time=None, *, full=False, **options):
+    """The model of a scene before its first step."""
+    return build(make_plan(scene, end_time, None, options, full=full))
 
 
 @cache

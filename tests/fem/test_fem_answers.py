@@ -8,13 +8,12 @@ from catalogue import solved, unit_scene
 
 import semianalytic as sf
 from fem import Settings, cost, simulate
-from fem.model import prepare
 from fem.resolution import LEAST_CROSSED
 from fem.results import load_simulation, opening_sentence
 from fem.run import levels
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.given.finding import find_scene
-from tests.fem.runs import run
+from tests.fem.runs import prepare, run
 
 BACK_AND_FORTH = find_scene("harmonic")
 

@@ -11,13 +11,12 @@ from skfem.models.elasticity import linear_elasticity
 from fem import Settings, simulate
 from fem.elements.assembly import Space, lumped_mass, stiffness, tributary_length
 from fem.elements.edge import FARTHEST, edge_offset, surface_stiffness
-from fem.model import prepare
 from fem.plan import Plan
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks, mesh_of
 from semianalytic import solve
 from semianalytic.scene.scene import Material
-from tests.fem.runs import l1
+from tests.fem.runs import l1, prepare
 
 every_element = pytest.mark.parametrize(
     "pattern", ["squares", pytest.param("triangles", marks=pytest.mark.gmsh)]

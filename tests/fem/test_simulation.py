@@ -8,10 +8,9 @@ from catalogue import PRELOADED, SHOCK, STEEL, UNIT, unit_scene
 
 import semianalytic as sf
 from fem import simulate
-from fem.model import prepare
 from fem.run import levels
 from semianalytic.reference import slip_rate_under_shear_step
-from tests.fem.runs import SCENES, l1, run
+from tests.fem.runs import SCENES, l1, prepare, run
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.1])

@@ -11,10 +11,9 @@ from catalogue import UNIT
 
 import semianalytic as sf
 from fem import simulate
-from fem.model import prepare
 from fem.results import load_simulation
 from fem.run import levels
-from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted
+from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted, prepare
 
 
 @pytest.fixture(scope="module")

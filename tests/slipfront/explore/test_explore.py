@@ -20,8 +20,8 @@ from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.explore import controls, jobs, maps, views
 from slipfront.explore.board import Board
-from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
-from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
+from slipfront.explore.jobs import Moment, marched_field, moment_in
+from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, NO_FIELD, Session
 from slipfront.explore.pictures import SHADES, SpaceTimePicture
 from slipfront.explore.serving import make_server
 from slipfront.explore.work import Worker
@@ -210,13 +210,16 @@ def test_strips_that_are_not_empty_do_not_read_so(friction, nu, alone):
 
 
 @pytest.mark.slow
-def test_a_pulse_at_an_angle_is_marched_without_a_field():
+def test_a_pulse_at_an_angle_is_marched_without_a_field(alone):
     values = controls.defaults(find_scene("incident-sv")) | {"history": "pulse", "duration": 0.4}
     scene = controls.scene_of(values | {"shape": "triangle"})
     assert scene.pressure_history == scene.shear_history != Step()
-    found = jobs.marched_views(scene, jobs.Moment(), lambda *_: None)
-    assert found.field is None
-    assert found.marched.status == "resolved"
+    marched = jobs.marched(scene, lambda *_: None)
+    assert marched.status == "resolved"
+    session = Session(Document(), scene, "")
+    session._march_news("result", marched)
+    assert told_by(session)["message"] == NO_FIELD
+    assert alone == []
 
 
 def test_a_worker_answers_refuses_and_is_stopped():
@@ -279,7 +282,7 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(alone):
     session._show(values | {"law": "slip-weakening"}, False, 0.0)
     session._field_news("result", views.field_view(solved(STEEL), 6))
     assert session._field._image.data is drawn
-    assert alone[-1][0] is marched_views
+    assert alone[-1][0] is jobs.marched
 
 
 @pytest.mark.thinned(2)
@@ -304,15 +307,15 @@ def test_another_moment_of_a_march_is_not_marched_anew(alone):
     session = Session(Document(), scene, "")
     values = controls.defaults(scene)
     session._answer_to({"values": values, "moving": False, "since": 0.0})
-    assert alone.pop()[0] is marched_views
-    field = views.field_view(marched, 4)
-    session._march_news("result", MarchViews(marched, Moment(), field))
+    assert alone.pop()[0] is jobs.marched
+    session._march_news("result", marched)
+    assert alone.pop()[0] is marched_field
     alone.clear()
     session._answer_to({"values": values, "moving": False, "since": 0.0, "share": 0.5})
     assert [job[0] for job in alone] == [marched_field]
     assert not told_by(session).get("stale")
     session._answer_to({"values": values | {"friction": 0.2}, "moving": False, "since": 0.0})
-    assert alone[1][0] is marched_views
+    assert alone[1][0] is jobs.marched
 
 
 def test_a_map_is_kept_and_found_again(alone):
