@@ -24,7 +24,7 @@ from semianalytic.engine.convergence import Tried, more_nodes, order_seen
 from semianalytic.engine.estimate import judged
 from semianalytic.engine.loads import TOLERANCES
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import SlotCheckpoint, check_size
+from semianalytic.engine.nodes import check_size
 from semianalytic.engine.run import run
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.tuning import MOST_NODES as MOST_LINE_NODES
@@ -180,8 +180,8 @@ def march(
     """
     scene = scene_of_one_solid("march", scene)
     if go_on is not None:
-        given = {"nodes": nodes, "rtol": rtol, "length": length, "latest": latest, "entry": entry}
-        for name in (name for name, value in given.items() if value is not None):
+        fixed = {"nodes": nodes, "rtol": rtol, "length": length, "latest": latest, "entry": entry}
+        for name in (name for name, value in fixed.items() if value is not None):
             raise SceneError(f"march: a continued march keeps its grid; leave out `{name}`.")
         return _continued(go_on, scene, end_time, memory, progress)
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
@@ -220,19 +220,15 @@ def march(
             "on, before anything comes from the slot; lower the wave, or raise friction or the "
             "base pressure (docs/limits.md)."
         )
-    options: dict[str, Any] = {
-        "latest": latest,
-        "step_ratio": step_ratio,
-        "damping": damping,
-        "every": every,
-    }
-    options |= {"rtol": rtol, "entry": entry}
+    options = {"latest": latest, "step_ratio": step_ratio, "damping": damping, "entry": entry}
+    given: dict[str, Any] = {"memory": memory, "progress": progress, "rtol": rtol}
 
     def computed(count: int) -> Marched:
         started = time.perf_counter()
         check_size(scene, latest, length, count, memory, estimate, entry)
-        rest = plan.at_rest(scene, count, length, tolerance, estimate, **options)
-        return advance(rest, end_time, memory, time.perf_counter() - started, progress)
+        parts = plan.laid_out(scene, count, length, tolerance, estimate, **options)
+        setup = time.perf_counter() - started
+        return advance(scene, parts, end_time, every, setup=setup, **given)
 
     # 1000 nodes: the slip rate of `preloaded` is then off by 0.007 %, in 0.3 s.  With 250, the
     # first for an rtol, it is off by 0.6 %, in 0.05 s.
@@ -242,7 +238,6 @@ def march(
     while True:
         marched, most = computed(count), plan.MOST_NODES
         done = rtol is None or marched.end_time < end_time
-        assert isinstance(marched.checkpoint, SlotCheckpoint)
         tried, order = Tried(count, marched.checkpoint.departure.share), None
         if coarser is not None and not done:
             order = order_seen(coarser, tried)
@@ -286,8 +281,7 @@ def _continued(
     """Return the whole march from t = 0 to a later end time, without recomputing anything."""
     if marched.scene != scene:
         raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
-    assert isinstance(marched.checkpoint, SlotCheckpoint)
-    latest = marched.checkpoint.latest
+    start, latest = marched.checkpoint, marched.checkpoint.latest
     end_time = latest if end_time is None else end_time
     end_time = _check_range("end_time", end_time, marched.end_time)
     if end_time > latest:
@@ -295,9 +289,11 @@ def _continued(
             f"march: this run can go on to {latest:.6g}; for more, start again with a "
             "later `latest`."
         )
-    # the order was seen until the time that the march had reached, under its loads alone
-    start = replace(marched.checkpoint, order=None)
-    return advance(replace(marched, checkpoint=start), end_time, memory, 0.0, progress)
+    both = [each.checkpoint for each in (marched, marched.companion) if each is not None]
+    parts: Any = [(known.grid, known.layout) for known in both]
+    given: Any = {"memory": memory, "progress": progress, "rtol": start.rtol}
+    # no order: that was seen until the time that the march had reached, under its loads alone
+    return advance(scene, parts, end_time, start.every, earlier=marched, **given)
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

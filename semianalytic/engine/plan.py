@@ -1,4 +1,4 @@
-"""How a march is set up: its nodes, and its state at rest."""
+"""How a march beside a slot is laid out: its nodes, and its memory."""
 
 from __future__ import annotations
 
@@ -6,10 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import ContactGrid, SlotCheckpoint, causal_grid
+from semianalytic.engine.nodes import ContactGrid, Layout, causal_grid
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
@@ -18,13 +15,8 @@ from semianalytic.engine.resolution import (
     rounded_up,
     zone_at_edge,
 )
-from semianalytic.engine.stepping.blocks import Reached
-from semianalytic.engine.stepping.state import Extremes
-from semianalytic.memory.exponentials import Memory, fit_memory
+from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import impedance_of
-from semianalytic.memory.line_memory import Past
-from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.contact import process_zone
 from semianalytic.scene.errors import SceneError
@@ -69,7 +61,7 @@ def enough_nodes(
 ) -> int:
     """Return the given nodes, or from `least` on as many as loads, edge and friction law need.
 
-    The options are those of `at_rest`.
+    The options are those of `laid_out`.
 
     Raises
     ------
@@ -96,10 +88,13 @@ def enough_nodes(
     return needed
 
 
-def at_rest(
+def laid_out(
     scene: Scene, nodes: int, length: float, tolerance: float, companion: bool, **options: Any
-) -> Marched:
-    """Return the march on a number of contact nodes before its first step, with its `options`."""
+) -> list[tuple[ContactGrid, Layout]]:
+    """Return nodes and layout of a march on a number of contact nodes, and of its companion.
+
+    The options are latest, step_ratio, damping and entry.
+    """
     check_weakening_seen(scene, length / nodes)
     latest, entry = options["latest"], options["entry"]
     grid = causal_grid(scene, latest, length, nodes, entry)
@@ -107,35 +102,10 @@ def at_rest(
     # same sum of exponentials serves both.
     passing = latest + max(scene.front_slowness, 0.0) * entry
     horizon = grid.line.wavenumbers[-1] * scene.material.shear_speed * passing
-    past = fit_memory(impedance_of(scene), horizon, tolerance)
-    marched = _on(scene, grid, past, options)
-    if not companion:
-        return marched
+    kernel = fit_memory(impedance_of(scene), horizon, tolerance)
+    begins = 0.0 - max(scene.front_slowness, 0.0) * entry
+    layout = Layout(kernel, begins=begins, **options)
     # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
     coarse = math.ceil(nodes / 2)
     coarser = causal_grid(scene, latest, 2 * grid.spacing * coarse, coarse, entry)
-    return replace(marched, companion=_on(scene, coarser, past, options | {"rtol": None}))
-
-
-def _on(scene: Scene, grid: ContactGrid, past: Memory, options: dict[str, Any]) -> Marched:
-    """Return a march on a grid before its first step, without a companion."""
-    none = np.zeros((0, grid.observed))
-    poles, no_times, rest = len(past.poles), np.zeros(0), np.zeros(grid.size - grid.slot)
-    begins = 0.0 - max(scene.front_slowness, 0.0) * options["entry"]
-    checkpoint = SlotCheckpoint(
-        grid=grid,
-        memory=past,
-        reached=Reached(begins, np.zeros(grid.size), rest, rest, rest, rest),
-        past=Past(np.zeros((1, poles, grid.size), complex), np.zeros((1, grid.size))),
-        begins=begins,
-        **options,
-    )
-    return Marched(
-        scene=scene,
-        nodes=grid.observed,
-        interface=InterfaceHistory(grid.x, no_times, none, none, none, none, none),
-        totals=Totals(*[no_times] * 5),
-        seen=Extremes.none(grid.observed),
-        status="",
-        checkpoint=checkpoint,
-    )
+    return [(grid, layout), (coarser, replace(layout, stride=2))][: 1 + companion]

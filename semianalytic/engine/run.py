@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.pair import LARGEST_CONTRAST, check_contrast
+from semianalytic.engine.advancing import Walk
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.estimate import (
     deciding,
@@ -22,11 +23,9 @@ from semianalytic.engine.estimate import (
     unresolved,
 )
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.record import RunRecord, checkpoint_at, fingerprint, resumed
-from semianalytic.engine.stepping.advance import stepped
+from semianalytic.engine.record import Record
 from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
-from semianalytic.engine.stepping.state import LineCheckpoint, State
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import MOST_NODES, NODES, STEP_RATIO
 from semianalytic.results.interruption import deferred_interrupt
@@ -244,7 +243,6 @@ def _one(
     """
     latest = options["latest"]
     if go_on is not None:
-        assert isinstance(go_on.checkpoint, LineCheckpoint)
         latest = max(go_on.checkpoint.latest, end_time)
     ratio, shift = options["step_ratio"], options["shift"]
     stepper = Stepper(scene, nodes, ratio, end_time=latest, shift=shift, **settings)
@@ -257,18 +255,8 @@ def _one(
         begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
         begun = 0.0 if stepper.law.has_threshold else begun
         begun = begun if go_on is None else go_on.seen.slipping
-    record = RunRecord(stepper, options["every"], options["frames"], options["times"], begun)
-    if go_on is None:
-        now = stepper.begin()
-        record.begin(now)
-    else:
-        now = resumed(stepper, record, go_on, end_time)
-        if now.time in scene.jumps and now.time == go_on.end_time:
-            # the earlier run ended with the values before the jump
-            now = stepper.jump(now)
-    stops = [at for at in scene.jumps if now.time < at < end_time] + [end_time]
-
-    stopped, kept = False, None
+    record = Record(stepper, options["every"], options["frames"], options["times"], begun)
+    walk, stopped = Walk(stepper, record, end_time, latest, go_on), False
 
     def asked(time: float) -> bool:
         nonlocal stopped
@@ -276,34 +264,17 @@ def _one(
         stopped = bool(options["interruption"].pressed or told)
         return stopped
 
-    def keep(state: State) -> None:
-        nonlocal kept
-        kept = checkpoint_at(stepper, record, state, latest)
-
-    for taken in stepped(stepper, now, stops, asked, keep):
-        record.add(*taken)
-        now = taken.look(len(taken.times) - 1)
+    for _ in walk.steps(asked):
+        pass
+    now = walk.now
     stopped = stopped and now.time < end_time
-    if stopped or kept is None:
-        kept = checkpoint_at(stepper, record, now, latest)
-    record.end(now)
-    loaded = record.fields["pressure"] if stepper.unilateral is not None else []
-    most = np.maximum.reduce([stepper.pressure, *(load[stepper.touching] for load in loaded)])
+    done = walk.marched(nodes, stopped)
+    loaded = done.interface.pressure[:, stepper.touching].max(axis=0)
+    most = np.maximum(stepper.pressure, loaded)
     status = too_short(scene, now.time) or unresolved(
         stepper, most, now.state, float(record.totals.peak_rate.max()), options["histories"]
     )
     if stopped:
         status = f"interrupted at t = {now.time:.6g}"
-    return Marched(
-        scene=scene,
-        nodes=nodes,
-        interface=record.interface,
-        totals=record.totals,
-        seen=record.seen,
-        status=status,
-        caution=line_caution(scene, nodes, now.time) if check else "",
-        motion=record.motion.motion(),
-        checkpoint=replace(
-            kept, end=now, every=record.every, fingerprint=fingerprint(stepper, latest)
-        ),
-    )
+    caution = line_caution(scene, nodes, now.time) if check else ""
+    return replace(done, status=status, caution=caution)

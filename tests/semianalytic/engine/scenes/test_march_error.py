@@ -59,7 +59,7 @@ def test_error_counts_the_memory_of_both():
     """March and companion share the transform, so its error does not show in their difference."""
     rough, fine = (march(PRELOADED, end_time=1.0, nodes=512, tolerance=one) for one in (1e-3, 1e-6))
     assert rate_error(rough, sf.solve(PRELOADED)) <= rough.error_estimate
-    assert rough.error_estimate - fine.error_estimate > rough.checkpoint.memory.error
+    assert rough.error_estimate - fine.error_estimate > rough.checkpoint.layout.kernel.error
 
 
 def test_error_of_any_reading():
@@ -93,7 +93,7 @@ def test_error_is_the_difference_from_the_companion():
     rate = marched.slip_rate(x, t[:, None])
     difference = np.abs(rate - coarse.slip_rate[:, : len(x)])
     share = np.trapezoid(difference.sum(axis=1), t) / np.trapezoid(np.abs(rate).sum(axis=1), t)
-    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.memory.error
+    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.layout.kernel.error
     assert marched.error_estimate == pytest.approx(expected, rel=0.02)
 
 
