@@ -35,7 +35,6 @@ BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], object]
 Part = tuple[ContactGrid, Layout]
 """Nodes and layout of a march beside a slot, or of its companion."""
 
@@ -106,7 +105,7 @@ def advance(
     every: int,
     *,
     memory: float | None,
-    progress: Progress | None,
+    stops: Callable[[float], bool],
     earlier: Marched | None = None,
     rtol: float | None = None,
     setup: float = 0.0,
@@ -125,8 +124,9 @@ def advance(
         Steps per stored level, at least.
     memory : float, optional
         Memory that the march may take [bytes].
-    progress : callable, optional
-        Called with (step, steps) after each step, as in `march`.
+    stops : function of time
+        Called after each step; the march ends where it has returned True and its companion has a
+        level.
     earlier : Marched, optional
         The march that is continued; it is not changed.
     rtol : float, optional
@@ -167,8 +167,7 @@ def advance(
     def asked(at: float) -> bool:
         nonlocal counted, told, ended
         counted += 1
-        if progress is not None and not told:
-            told = progress(counted, steps) is True
+        told = told or stops(at)
         ended = told and counted % 2 == 0  # where the companion has a level
         return ended
 

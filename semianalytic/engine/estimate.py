@@ -68,7 +68,7 @@ def estimated(
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
-    base = thinned(sampled("run: shear", scene.base.shear, known.x, spacing)[None])
+    base = thinned(sampled("scene: shear", scene.base.shear, known.x, spacing)[None])
     beside = EdgeNodes(done)
     rates = np.concatenate([thinned(known.slip_rate), coarse.interface.slip_rate[:, touching]])
     zones = _zones(np.abs(thinned(known.slip)).sum(axis=0), rates.any(axis=0))

@@ -62,6 +62,7 @@ class Record:
         self._names = [name for name in line.fields if name not in line.steady]
         self._rows, self._summed = _Rows(int(min(frames, steps // every)) + 3), _Rows(steps + 1)
         self._weights = self._grid.weights[line.touching]
+        self._is_even = bool((self._weights == self._weights[0]).all())
         # a line drives the bodies by itself; beside a slot they need a longer one (`freed`)
         self.motion = MotionRecord() if line.layout is None else None
         self.seen = Extremes.none(len(self._grid.x), slipping)
@@ -128,12 +129,17 @@ class Record:
         largest = np.abs(slips[1:, on]).max(axis=1, initial=0.0)
         # one by one, so that sums do not depend on how steps come in blocks
         so_far = self._summed.arrays()[2][-1:].tolist() if self._summed.count else []
-        paths = np.cumsum([*so_far, *(moved[:, on] * self._weights).sum(axis=1)])[-len(moved) :]
+        paths = np.cumsum([*so_far, *self._over(moved[:, on])])[-len(moved) :]
         peaks = np.abs(rates[1:]).max(axis=1, initial=0.0)
-        work = (works * self._weights).sum(axis=1)
-        self._summed.add(taken.times[1:], largest, paths, work, peaks)
+        self._summed.add(taken.times[1:], largest, paths, self._over(works), peaks)
         moved[0] += self.seen.path
         self.seen = self.seen.with_levels(taken.times, rates, moved.sum(axis=0))
+
+    def _over(self, rows: Array) -> Array:
+        """Return integrals of rows (k, contact) over the contact, (k,)."""
+        if self._is_even:
+            return np.asarray(rows.sum(axis=1) * self._weights[0])
+        return np.asarray((rows * self._weights).sum(axis=1))
 
     @property
     def totals(self) -> Totals:
@@ -299,14 +305,14 @@ def _check_same(stepper: Stepper, record: Record, earlier: Marched, end_time: fl
     kept = earlier.checkpoint
     if kept.fingerprint != fingerprint(stepper, kept.latest):
         raise DataFileError(
-            "run: `go_on` is a run of another interface, grid or step; continue it with its own "
+            "march: `go_on` is a run of another interface, grid or step; continue it with its own "
             "interface, `nodes` and `step_ratio`."
         )
     if kept.end.time >= end_time:
-        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
+        raise SceneError(f"march: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
     if record.seen.slipping != kept.seen.slipping:
         raise SceneError(
-            f"run: slip began beyond {kept.seen.slipping:.6g} in the run that `go_on` "
+            f"march: slip began beyond {kept.seen.slipping:.6g} in the run that `go_on` "
             "continues; leave out `slipping`, or give the same."
         )
     gone = [time for time in record.times or () if time <= kept.state.time]
@@ -314,11 +320,11 @@ def _check_same(stepper: Stepper, record: Record, earlier: Marched, end_time: fl
     lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
     if lost:
         raise SceneError(
-            f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
+            f"march: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
             "stored it; leave out such `times`, or compute it again."
         )
     if kept.horizon != stepper.memory.horizon:
         raise SceneError(
-            f"run: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
+            f"march: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
             f"`latest` = {end_time:g} to continue it until then."
         )

@@ -273,7 +273,7 @@ class EqualSteps:
         if level.step != self._step:
             self._step = level.step
             feedback = self._memory.table(self._speed * level.step).feedback[0]
-            check_feedback("march", feedback)
+            check_feedback(feedback)
             feedback = damped(feedback, self._grid.wavenumbers, self._damping)
             self._feedback = -self._impedance * feedback
         law, balance, transform, last = self._law, self._balance, self._transform, self._last

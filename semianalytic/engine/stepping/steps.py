@@ -100,7 +100,7 @@ class Stepper(ClosedLine):
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self.balance = Balance(self.law, self.impedance, self.touching, self.grid)
         self.memory, opening, stiffness = memories(scene, self.grid, end_time, tolerance)
-        check_feedback("run", self.memory.table(self.shortest * self.speed).feedback[0])
+        check_feedback(self.memory.table(self.shortest * self.speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest
