@@ -23,7 +23,7 @@ from semianalytic.engine.estimate import judged
 from semianalytic.engine.loads import table_bytes
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.nodes import Checkpoint, ContactGrid, Layout, state_bytes
-from semianalytic.engine.record import Record, checkpoint_at, fingerprint, resumed
+from semianalytic.engine.record import Record, checkpoint_at, resumed
 from semianalytic.engine.slot import SlotLine, spans_to, spans_until
 from semianalytic.engine.stepping.advance import Taken, stepped
 from semianalytic.engine.stepping.blocks import block_of
@@ -63,7 +63,7 @@ class Walk:
             if self.now.time == record.first:
                 record.begin(self.now)
         else:
-            self.now = resumed(line, record, earlier, end_time)
+            self.now = resumed(line, record, earlier)
         self._spans = line.spans(self.now.time, end_time)
         self._kept: Checkpoint | None = None
 
@@ -84,8 +84,7 @@ class Walk:
             self._keep(now)
         assert self._kept is not None
         record.end(now)
-        digest = fingerprint(line, self._latest) if line.layout is None else ""
-        known |= {"end": now, "every": record.every, "fingerprint": digest}
+        known |= {"end": now, "every": record.every}
         return Marched(
             scene=line.scene,
             nodes=nodes,

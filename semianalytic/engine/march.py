@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import inspect
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
@@ -19,7 +20,7 @@ from typing import Any
 
 from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.plan import Asked, along_line, beside_slot, checked_within
+from semianalytic.engine.plan import Asked, along_line, beside_slot, check_going_on, checked_within
 from semianalytic.engine.stepping.tuning import MOST_NODES, STEP_RATIO
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.arguments import taking_quantities
@@ -210,6 +211,8 @@ def march(
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
+    if go_on is not None and scene.on_line and scene.period == math.inf:
+        scene = replace(scene, period=go_on.scene.period)
     asked = Asked(
         end_time=end_time,
         nodes=nodes,
@@ -220,6 +223,8 @@ def march(
         latest=latest,
         go_on=go_on,
     )
+    if go_on is not None:
+        check_going_on(scene, go_on, asked, given)
     told = False
     with deferred_interrupt() as interruption:
 

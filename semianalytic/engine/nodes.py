@@ -109,10 +109,6 @@ class Checkpoint:
         The state at its end.
     past, opening : Past
         Memories of slip, and of opening where the interface may open, at the time of `state`.
-    horizon : float
-        Largest q c_t t of these memories.
-    fingerprint : str
-        Digest of what a march along a line depends on until `latest`; empty beside a slot.
     every, count : int
         Steps per stored level, and steps until the time of `state`.
     seen : Extremes
@@ -121,6 +117,8 @@ class Checkpoint:
         Time up to which the march may go on [time].
     layout : Layout or None
         How a march beside a slot is laid out; None along a line.
+    settings : dict
+        Those of the `Stepper` of a line.
     rtol, order : float or None
         The error that was asked for, and the order of convergence that was seen between this march
         and a coarser one.
@@ -135,13 +133,12 @@ class Checkpoint:
     end: State
     past: Past
     opening: Past | None
-    horizon: float
-    fingerprint: str
     every: int
     count: int
     seen: Extremes
     latest: float
     layout: Layout | None = None
+    settings: dict[str, float] = field(default_factory=dict)
     rtol: float | None = None
     order: float | None = None
     departure: Departure = field(default_factory=Departure)

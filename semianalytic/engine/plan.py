@@ -104,6 +104,33 @@ def _latest_of(asked: Asked) -> float:
     return checked_within("latest", latest, math.nextafter(asked.end_time, 0.0))
 
 
+def check_going_on(scene: Scene, marched: Marched, asked: Asked, given: dict[str, Any]) -> None:
+    """Raise SceneError unless a march of the scene can go on to the end time as it began."""
+    fixed = {"nodes": asked.nodes, "latest": asked.latest, **given}
+    if not scene.on_line:
+        fixed["rtol"] = asked.rtol
+    same = {
+        "nodes": marched.nodes,
+        "slipping": marched.seen.slipping,
+        **marched.checkpoint.settings,
+    }
+    free = {"memory", "times", "frames"}
+    for name in (name for name, value in fixed.items() if value is not None and name not in free):
+        if fixed[name] != same.get(name):
+            raise SceneError(
+                f"march: a march that goes on keeps its grid and steps; leave out `{name}`."
+            )
+    if marched.scene != scene:
+        raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
+    latest = marched.checkpoint.latest
+    checked_within("end_time", asked.end_time, marched.end_time)
+    if asked.end_time > latest:
+        raise SceneError(
+            f"march: this march can go on to {latest:.6g}; for more, start again with a later "
+            "`latest`."
+        )
+
+
 # --- beside a slot -----------------------------------------------------------------------------
 
 
@@ -169,25 +196,14 @@ def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops)
 def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> Plan:
     """Return how a march beside a slot is continued, without recomputing anything."""
     marched: Any = asked.go_on
-    fixed = {"nodes": asked.nodes, "rtol": asked.rtol, "latest": asked.latest} | given
-    for name in (name for name, value in fixed.items() if value is not None and name != "memory"):
-        raise SceneError(f"march: a continued march keeps its grid; leave out `{name}`.")
-    if marched.scene != scene:
-        raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
-    start, end_time = marched.checkpoint, asked.end_time
-    end_time = checked_within("end_time", end_time, marched.end_time)
-    if end_time > start.latest:
-        raise SceneError(
-            f"march: this run can go on to {start.latest:.6g}; for more, start again with a "
-            "later `latest`."
-        )
+    start = marched.checkpoint
     both = [each.checkpoint for each in (marched, marched.companion) if each is not None]
     parts = [(known.grid, known.layout) for known in both]
     options = {"memory": given.get("memory"), "stops": stops, "rtol": start.rtol}
 
     def march(*_: object) -> tuple[Marched, None]:
         # no order: that was seen until the time that the march had reached, under its loads alone
-        return advance(scene, parts, end_time, start.every, earlier=marched, **options), None
+        return advance(scene, parts, asked.end_time, start.every, earlier=marched, **options), None
 
     return Plan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
@@ -295,8 +311,14 @@ def along_line(
     scene = with_period(scene, end_time)
     check_contrast(*scene.bodies, LARGEST_CONTRAST)
     options = _checked_options(given, end_time)
-    options |= {"histories": nodes_for_histories(scene, end_time), "latest": _latest_of(asked)}
-    nodes = go_on.nodes if asked.nodes is None and go_on is not None else asked.nodes
+    options["histories"] = nodes_for_histories(scene, end_time)
+    nodes = asked.nodes
+    if go_on is None:
+        options["latest"] = _latest_of(asked)
+        options["of_steps"]["step_ratio"] = asked.step_ratio
+    else:
+        nodes, options["latest"] = go_on.nodes, go_on.checkpoint.latest
+        options["of_steps"] = go_on.checkpoint.settings
     needed = max(options["histories"], nodes_for_contact(scene))
     most = tuning.MOST_NODES
     if nodes is None:
@@ -361,10 +383,8 @@ def _run(scene: Scene, nodes: int, asked: Asked, options: dict[str, Any], stops:
     refused.
     """
     end_time, latest, earlier = asked.end_time, options["latest"], asked.go_on
-    if earlier is not None:
-        latest = max(earlier.checkpoint.latest, end_time)
-    ratio, shift, of_steps = asked.step_ratio, options["shift"], options["of_steps"]
-    stepper = Stepper(scene, nodes, ratio, end_time=latest, shift=shift, **of_steps)
+    shift = options["shift"]
+    stepper = Stepper(scene, nodes, end_time=latest, shift=shift, **options["of_steps"])
     if shift is None:
         stepper.check_sliding()
         stepper.ladder.check_longest()

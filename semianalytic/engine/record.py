@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,11 @@ from numpy.typing import NDArray
 from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.nodes import Checkpoint
-from semianalytic.engine.stepping.acting import times_of_loads
 from semianalytic.engine.stepping.advance import Part, Taken, taken_of
 from semianalytic.engine.stepping.state import Extremes, State
-from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
@@ -233,7 +230,7 @@ class _Rows:
 
 
 def checkpoint_at(line: Any, record: Record, now: State, latest: float) -> Checkpoint:
-    """Return what a march goes on from at a state until a latest time, but for `fingerprint`."""
+    """Return what a march goes on from at a state until a latest time."""
     past, *opening = (memory.past() for memory in line.every_memory())
     return Checkpoint(
         grid=line.nodes,
@@ -241,90 +238,29 @@ def checkpoint_at(line: Any, record: Record, now: State, latest: float) -> Check
         end=now,
         past=past,
         opening=opening[0] if opening else None,
-        horizon=line.memory.horizon,
-        fingerprint="",
         every=record.every,
         count=record.count,
         seen=record.seen,
         latest=latest,
         layout=line.layout,
+        settings=line.settings,
     )
 
 
-def fingerprint(stepper: Stepper, latest: float) -> str:
-    """Return a digest of everything on the grid that a run depends on until a time [time]."""
-    scene = stepper.scene
-    parts: list[Any] = [scene.material, stepper.grid, scene.plate_rate]
-    parts.append(scene.contact.intervals)  # ends within a cell have the same nodes
-    if stepper.pair is not None:
-        parts.append(stepper.pair)
-    parts += [scene.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
-    values: list[Any] = []
-    if is_dataclass(stepper.law):
-        values = [getattr(stepper.law, field.name) for field in fields(stepper.law)]
-    parts += [value for value in values if isinstance(value, str | bool)]
-    digest = hashlib.sha256(repr(parts).encode())
-    laid: list[Any] = [
-        stepper.pressure,
-        stepper.shear,
-        stepper.touching,
-        *stepper.loads(stepper.shortest),
-    ]
-    for load in stepper.acting:
-        laid += [
-            load.traction(stepper.grid.x, float(time), of=of)
-            for of in ("shear", "pressure")
-            for time in times_of_loads(latest)
-        ]
-    if stepper.unilateral is not None:
-        laid += stepper.unilateral.loads(stepper.shortest)
-        if stepper.unilateral.adhesion is not None:
-            laid += [stepper.unilateral.adhesion.strength, stepper.unilateral.adhesion.length]
-    laid += [value for value in values if isinstance(value, float | int | np.ndarray)]
-    for value in laid:
-        digest.update(np.ascontiguousarray(value).tobytes())
-    return digest.hexdigest()
-
-
-def resumed(line: Any, record: Record, earlier: Marched, end_time: float) -> State:
+def resumed(line: Any, record: Record, earlier: Marched) -> State:
     """Put the memory and the record of an earlier march in place and return its state."""
     kept = earlier.checkpoint
-    if line.layout is None:
-        _check_same(line, record, earlier, end_time)
+    now, times = kept.state, earlier.interface.t
+    gone = [time for time in record.times or () if time <= now.time]
+    lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
+    if lost:
+        raise SceneError(
+            f"march: the march that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
+            "stored it; leave out such `times`, or compute it again."
+        )
     pasts = kept.past, *([] if kept.opening is None else [kept.opening])
     for memory, past in zip(line.every_memory(), pasts, strict=True):
         memory.put_back(past)
     record.go_on(earlier)
-    now = kept.state
     # a march that ended at a jump has the values before it
     return line.jump(now) if now.time in line.jumps and now.time == earlier.end_time else now
-
-
-def _check_same(stepper: Stepper, record: Record, earlier: Marched, end_time: float) -> None:
-    """Refuse to continue a run along a line that is another one, or that lacks what is asked."""
-    kept = earlier.checkpoint
-    if kept.fingerprint != fingerprint(stepper, kept.latest):
-        raise DataFileError(
-            "march: `go_on` is a run of another interface, grid or step; continue it with its own "
-            "interface, `nodes` and `step_ratio`."
-        )
-    if kept.end.time >= end_time:
-        raise SceneError(f"march: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
-    if record.seen.slipping != kept.seen.slipping:
-        raise SceneError(
-            f"march: slip began beyond {kept.seen.slipping:.6g} in the run that `go_on` "
-            "continues; leave out `slipping`, or give the same."
-        )
-    gone = [time for time in record.times or () if time <= kept.state.time]
-    times = earlier.interface.t
-    lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
-    if lost:
-        raise SceneError(
-            f"march: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
-            "stored it; leave out such `times`, or compute it again."
-        )
-    if kept.horizon != stepper.memory.horizon:
-        raise SceneError(
-            f"march: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
-            f"`latest` = {end_time:g} to continue it until then."
-        )

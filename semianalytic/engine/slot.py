@@ -45,7 +45,7 @@ class SlotLine(ClosedLine):
     """
 
     sweeps, means_last, climbs, is_cut = SWEEPS, True, False, False
-    unilateral = None
+    unilateral, settings = None, dict[str, float]()
     fields = "slip", "slip_rate", "shear_traction", "pressure", "gap"
 
     def __init__(self, scene: Scene, nodes: ContactGrid, layout: Layout, since: float) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +14,7 @@ from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
 from semianalytic import Marched, Scene, solve
 from semianalytic.results.files import write_bytes
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.extras import HDF5, XARRAY, require
 from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
@@ -67,10 +65,6 @@ def march_command(
         saved: Any = None
         if earlier is not None:
             saved = Marched.load(earlier)
-            if scene.on_line and scene.period == math.inf:
-                scene = replace(scene, period=saved.scene.period)
-            if saved.scene != scene:
-                raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
             kept = {"no_estimate"} if scene.on_line else {"memory"}
             if given := [name for name in options if name not in kept]:
                 raise without_effect(given[0], "go_on")

@@ -74,6 +74,14 @@ class Stepper(ClosedLine):
     ) -> None:
         material, contact = scene.material, scene.contact
         held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
+        self.settings = {
+            "step_ratio": step_ratio,
+            "sweeps": sweeps,
+            "tolerance": tolerance,
+            "state_share": state_share,
+            "bound_share": bound_share,
+            "longest": longest,
+        }
         self.scene, self.sweeps, self.plate_rate = scene, sweeps, scene.plate_rate
         self.jumps = scene.jumps
         self.grid = grid_of(scene, nodes, shift, held)

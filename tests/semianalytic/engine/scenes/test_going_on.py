@@ -60,7 +60,7 @@ def test_what_a_march_cannot_go_on_to_is_refused(tmp_path):
         gone_on(part, 0.5)
     with pytest.raises(sf.SceneError, match="start again with a later `latest`"):
         gone_on(part, 0.9)
-    with pytest.raises(sf.SceneError, match="keeps its grid; leave out `nodes`"):
+    with pytest.raises(sf.SceneError, match="keeps its grid and steps; leave out `nodes`"):
         gone_on(part, 0.8, nodes=200)
     with pytest.raises(sf.SceneError, match="is a march of another scene"):
         sf.solve(unit_scene(0.31), method="space-time", go_on=part, end_time=0.8)
