@@ -28,7 +28,7 @@ from semianalytic.engine.slot import SlotLine, spans_to, spans_until
 from semianalytic.engine.stepping.advance import Taken, stepped
 from semianalytic.engine.stepping.blocks import block_of
 from semianalytic.engine.stepping.state import State
-from semianalytic.results.memory import check_memory, memory_limit
+from semianalytic.results.memory import check_memory
 from semianalytic.scene.scene import Scene
 
 BYTES_STORED = 32
@@ -242,12 +242,12 @@ def affordable_every(
             table += table_bytes(scene, grid.size - grid.slot, taken)
     sums = len(parts) * steps * 96  # for times, loads and totals
     fixed = int(state + table + sums + (stored + 16) * per_level)  # at least 16 levels must fit
-    check_memory(
+    allowed = check_memory(
         fixed,
         memory,
         f"march: {steps:.6g} steps of {parts[0][0].size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
     # `fixed` has room for 16 levels already, which leaves one level more as a margin.
-    levels = (memory_limit(memory) - fixed) // per_level + 1
+    levels = (allowed - fixed) // per_level + 1
     return math.ceil(steps / levels)

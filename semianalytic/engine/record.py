@@ -62,7 +62,7 @@ class Record:
         self._is_even = bool((self._weights == self._weights[0]).all())
         # a line drives the bodies by itself; beside a slot they need a longer one (`freed`)
         self.motion = MotionRecord() if line.layout is None else None
-        self.seen = Extremes.none(len(self._grid.x), slipping)
+        self.seen, self._scratch = Extremes.none(len(self._grid.x), slipping), np.empty((2, 0, 0))
 
     def begin(self, now: State) -> None:
         """Record the state at which the record begins."""
@@ -78,7 +78,8 @@ class Record:
         if not steps:
             # both levels at a jump are the same one, so that nothing is interpolated across it
             rates = np.repeat(self._rates(taken), 2, axis=0)
-            self.seen = self.seen.with_levels([times[0]] * 2, rates, self.seen.path)
+            known = rates, np.abs(rates), self.seen.path
+            self.seen = self.seen.with_levels([times[0]] * 2, *known)
             return
         if times[-1] <= self.first:
             self.count += steps
@@ -122,15 +123,21 @@ class Record:
         """Note totals, extremes of slip rates, and when slip begins."""
         n, on = len(self._grid.x), slice(None) if self._is_whole else self._line.touching
         rates, slips = self._rates(taken), taken.slips[:, :n]
-        moved, works = np.abs(np.diff(slips, axis=0)), taken.works[1:, : len(self._weights)]
-        largest = np.abs(slips[1:, on]).max(axis=1, initial=0.0)
+        if len(self._scratch[0]) < len(rates):  # arrays of this size are new pages each time
+            self._scratch = np.empty((2, *rates.shape))
+        speeds, moved = self._scratch[:, : len(rates)]
+        speeds, moved = np.abs(rates, out=speeds), np.subtract(slips[1:], slips[:-1], out=moved[1:])
+        np.abs(moved, out=moved)
+        works, slips = taken.works[1:, : len(self._weights)], slips[1:, on]
+        extremes = slips.max(axis=1, initial=0.0), -slips.min(axis=1, initial=0.0)
+        largest = np.maximum(*extremes)
         # one by one, so that sums do not depend on how steps come in blocks
         so_far = self._summed.arrays()[2][-1:].tolist() if self._summed.count else []
         paths = np.cumsum([*so_far, *self._over(moved[:, on])])[-len(moved) :]
-        peaks = np.abs(rates[1:]).max(axis=1, initial=0.0)
+        peaks = speeds[1:].max(axis=1, initial=0.0)
         self._summed.add(taken.times[1:], largest, paths, self._over(works), peaks)
         moved[0] += self.seen.path
-        self.seen = self.seen.with_levels(taken.times, rates, moved.sum(axis=0))
+        self.seen = self.seen.with_levels(taken.times, rates, speeds, moved.sum(axis=0))
 
     def _over(self, rows: Array) -> Array:
         """Return integrals of rows (k, contact) over the contact, (k,)."""

@@ -83,21 +83,23 @@ class Extremes:
         """Largest |slip rate| (n,) [length / time]."""
         return np.maximum(self.forward, np.abs(self.reverse))
 
-    def with_levels(self, times: Sequence[float], rates: Array, path: Array) -> Extremes:
+    def with_levels(
+        self, times: Sequence[float], rates: Array, speeds: Array, path: Array
+    ) -> Extremes:
         """Return the extremes with k more levels included.
 
         Parameters
         ----------
         times : (k + 1,) sequence
             Times of the levels and of the one before them [time].
-        rates : (k + 1, n) array
-            Slip rates at these [length / time].
+        rates, speeds : (k + 1, n) arrays
+            Slip rates at these, and their sizes [length / time].
         path : (n,) array
             Accumulated |slip| with these levels [length].
         """
         forward = np.maximum(self.forward, rates[1:].max(axis=0))
         reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
-        speeds, threshold = np.abs(rates), np.full(len(rates) - 1, self.slipping)
+        threshold = np.full(len(rates) - 1, self.slipping)
         if self.slipping is None:
             # The threshold of a level uses only what was until then, so that a march that is
             # continued finds the same onsets.
