@@ -6,14 +6,12 @@ of grids is written to seven digits at most, with a stated error.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -22,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
+from compare.output.tables import csv_text
 from compare.records.record import QUANTITIES
 from semianalytic import solve
 from semianalytic.results.answer import TOTALS, method_of
@@ -205,14 +204,12 @@ def table_of(sheet: Sheet) -> str:
     """The records of an answer as CSV, in the form in which codes are scored."""
     answer, digits = answer_to(sheet), digits_of(sheet)
     fields = fields_of(sheet, answer)
-    stream = StringIO(newline="")
-    stream.write(f"# benchmark: {sheet.name}\n# answer of slipfront, units {sheet.units}\n")
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(["t", "x", *fields])
+    rows = []
     for place, x in enumerate(sheet.stations):
         for level, t in enumerate(sheet.times):
             values = [float(field[level, place]) for field in fields.values()]
             if not sheet.is_marched:  # what is nothing but rounding is written as 0
                 values = [round(value, digits + 2) + 0.0 for value in values]
-            table.writerow([f"{t:.10g}", f"{x:g}", *(f"{value:.{digits}g}" for value in values)])
-    return stream.getvalue()
+            rows.append([f"{t:.10g}", f"{x:g}", *(f"{value:.{digits}g}" for value in values)])
+    comments = f"benchmark: {sheet.name}", f"answer of slipfront, units {sheet.units}"
+    return csv_text(["t", "x", *fields], rows, *comments)

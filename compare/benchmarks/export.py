@@ -33,7 +33,7 @@ def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) ->
     there = sorted(name for name in contents if (folder / name).exists())
     if there and not overwrite:
         raise SceneError(
-            f"{folder / there[0]} is there already; choose another folder, or give --overwrite."
+            f"{folder / there[0]} exists already; choose another folder, or give --overwrite."
         )
     new = [folder / name for name in contents if name not in there]
     with working_folder(folder):

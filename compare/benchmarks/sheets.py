@@ -6,7 +6,6 @@ units of its own; data/sheets.toml lists them.
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 import tomllib
@@ -21,6 +20,7 @@ import numpy as np
 
 from semianalytic import Scene, find
 from semianalytic.methods import chosen
+from semianalytic.scene.checks import meant
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
 from semianalytic.scene.given.files import scene_of_file
@@ -178,6 +178,5 @@ def find_sheet(name: str) -> Sheet:
     known = sheets()
     if name in known:
         return known[name]
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(known)}."
+    hint = meant(name, known, f"choose {', '.join(known)}.", 0.5)
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")

@@ -73,7 +73,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     caution : str
         A sentence on what limits the accuracy and can be changed; empty if nothing does.
     checkpoint : Checkpoint
-        Everything from which the march goes on.
+        The state from which the march continues.
     error_estimates : mapping
         Estimated relative L1 errors of the slip rate over contact and time; on a line also of slip
         and the change of shear traction, and of gap and pressure if loads change the pressure.
@@ -298,7 +298,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         """Return the fields next to an edge at which the contact of a line sticks.
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
-        of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
+        of different bodies alternate.  Divided by a grid's form of a crack tip, and averaged
         over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
@@ -324,8 +324,8 @@ class Marched(AnswerInBodies, SampledAnswer):
         >>> import semianalytic as sf
         >>> solid, contact = sf.Material(1, 1, 0.25), sf.Contact([(-2.0, 2.0)])
         >>> push = sf.InterfaceLoad(0.1, on="slot")
-        >>> held = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
-        >>> done = sf.solve(held, end_time=0.5, nodes=128)
+        >>> stuck = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
+        >>> done = sf.solve(stuck, end_time=0.5, nodes=128)
         >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """

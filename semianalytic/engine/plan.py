@@ -126,8 +126,8 @@ def check_going_on(scene: Scene, marched: Marched, asked: Asked, given: dict[str
     checked_within("end_time", asked.end_time, marched.end_time)
     if asked.end_time > latest:
         raise SceneError(
-            f"march: this march can go on to {latest:.6g}; for more, start again with a later "
-            "`latest`."
+            f"march: this march can be continued to {latest:.6g}; for more, start again with a "
+            "later `latest`."
         )
 
 
@@ -165,7 +165,7 @@ def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops)
     if slowness < 0 and wave_slips_ahead(scene, latest + length * abs(slowness)):
         raise SceneError(
             "march: the wave alone exceeds friction, so that the contact slips from its front "
-            "on, before anything comes from the slot; lower the wave, or raise friction or the "
+            "on, before any wave from the slot arrives; lower the wave, or raise friction or the "
             "base pressure (docs/limits.md)."
         )
     options = {"latest": latest, "step_ratio": asked.step_ratio, "damping": damping, "entry": entry}

@@ -300,7 +300,8 @@ class EqualSteps:
         # the first amplitude is the sum over all nodes, which is finite if all values are
         if not math.isfinite(transform[0, 0]):
             raise ComputationError(
-                f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
+                f"the march has values that are not finite at t = {level.time:.4g}; "
+                "lower `step_ratio`."
             )
         if self._follows:
             state = law.evolved_under(self._states[last], (old + now) / 2, *change)

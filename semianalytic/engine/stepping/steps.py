@@ -310,7 +310,7 @@ class Stepper(ClosedLine):
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(
-                f"the run lost its finite values at t = {time:.4g}; lower `step_ratio`."
+                f"the run has values that are not finite at t = {time:.4g}; lower `step_ratio`."
             )
         mean = (old + np.abs(rate[self.touching])) / 2
         state, felt = self._evolved(now, mean, length, faces)

@@ -73,13 +73,13 @@ def under_state(evolution):
     return scene_along(UNIT, law, 16.0, 1.0, 0.3, rate=1e-3)
 
 
-def assert_same(one, other):
+def assert_same(left, other):
     for name in FIELDS:
-        first, second = getattr(one.interface, name), getattr(other.interface, name)
+        first, second = getattr(left.interface, name), getattr(other.interface, name)
         assert np.array_equal(first, second, equal_nan=True), name
-    for first, second in ((one.totals, other.totals), (one.seen, other.seen)):
+    for first, second in ((left.totals, other.totals), (left.seen, other.seen)):
         assert all(map(np.array_equal, vars(first).values(), vars(second).values()))
-    assert one.work == other.work
+    assert left.work == other.work
 
 
 @pytest.mark.thinned(2)
@@ -178,7 +178,7 @@ def test_what_an_earlier_run_has_not_kept_is_not_asked_of_it():
     with pytest.raises(sf.SceneError, match="leave out `slipping`"):
         march(fault, 0.02, 32, go_on=part, slipping=1e-2)
     part = march(jumping(), 2.0, 128, latest=4.0, estimate=False)
-    with pytest.raises(sf.SceneError, match="can go on to 4; for more, start again with a later"):
+    with pytest.raises(sf.SceneError, match="can be continued to 4; for more, start again"):
         march(part.scene, 200.0, 128, go_on=part)
 
 

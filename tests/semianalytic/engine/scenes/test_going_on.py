@@ -38,9 +38,9 @@ def test_continued_march_equals_one_march(history, tmp_path):
     assert loaded.companion.companion is None
     continued, stored = gone_on(part, 1.0), gone_on(loaded, 1.0)
     for name in ("interface", "seen", "totals"):
-        one, other, all_at_once = (getattr(run, name) for run in (continued, stored, whole))
-        for field in fields(one):
-            every = (getattr(each, field.name) for each in (one, other, all_at_once))
+        left, other, all_at_once = (getattr(run, name) for run in (continued, stored, whole))
+        for field in fields(left):
+            every = (getattr(each, field.name) for each in (left, other, all_at_once))
             first, found, wanted = (np.array(each, dtype=float) for each in every)
             np.testing.assert_array_equal(first, found)
             np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=rounding)
@@ -77,11 +77,11 @@ def test_blocks_of_steps_change_nothing(steps, monkeypatch):
 
     found = marches()
     monkeypatch.setattr(blocks, "BLOCK_STEPS", steps)
-    for one, other in zip(found, marches(), strict=True):
-        assert one.steps == other.steps
-        assert one.error_estimate == pytest.approx(other.error_estimate, rel=1e-10)
+    for answer, other in zip(found, marches(), strict=True):
+        assert answer.steps == other.steps
+        assert answer.error_estimate == pytest.approx(other.error_estimate, rel=1e-10)
         for part in ("interface", "totals", "seen"):
-            for name, values in vars(getattr(one, part)).items():
+            for name, values in vars(getattr(answer, part)).items():
                 both = (
                     np.array(each, float) for each in (values, vars(getattr(other, part))[name])
                 )

@@ -151,9 +151,9 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
 def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
     wave = sf.Scene(UNIT, 1.2, PRESSED, sf.IncidentWave("P", 0.0, stress=1.0))
     remote = replace(wave, load=sf.Tractions(1.0, 0.0), load_on="remote")
-    one, other = (march(scene, nodes=60, estimate=False) for scene in (wave, remote))
+    first, other = (march(scene, nodes=60, estimate=False) for scene in (wave, remote))
     for name in ("pressure", "shear_traction"):
-        mine, right = (getattr(run.interface, name) for run in (one, other))
+        mine, right = (getattr(run.interface, name) for run in (first, other))
         np.testing.assert_allclose(mine, right, atol=1e-13)
     # a slow ramp far from the edge: the contact carries base and wave as they are
     ramped = march(replace(wave, pressure_history=sf.Ramp(0.5)), nodes=60, estimate=False)
