@@ -147,13 +147,13 @@ def scene_title(scene: Any) -> str:
         value = getattr(getattr(scene, of), what)
         number = isinstance(value, float | int)
         if not number or value:
-            words.append(f"{of} {what} {in_unit(value, pascal) if number else 'varies'}")
+            words.append(f"{of} {what} {shown_number(value, pascal) if number else 'varies'}")
     words += [] if plain else [_kind_of(load)]
     acting = scene.acting_histories.values() if plain else ()
     histories = {type(history).__name__ for history in acting}
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
-        words.append(f"period {in_unit(scene.period, metre)}")
+        words.append(f"period {shown_number(scene.period, metre)}")
     words += ["in units of the scene"] * (scene.units != SI)
     return ", ".join(words)
 
@@ -168,7 +168,7 @@ def _kind_of(load: Any) -> str:
     return type(load).__name__ + speed
 
 
-def in_unit(value: float, unit: tuple[float, str]) -> str:
+def shown_number(value: float, unit: tuple[float, str]) -> str:
     """Return a number with its unit, if that has a name."""
     return f"{value * unit[0]:.4g}" + (f" {unit[1]}" if unit[1] not in SHOWN else "")
 

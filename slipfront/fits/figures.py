@@ -13,7 +13,7 @@ from compare.figures import style
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
-from semianalytic.results.plotting import SHOWN, in_unit
+from semianalytic.results.plotting import SHOWN, shown_number
 from semianalytic.scene.units import SI, unit
 from slipfront.fits.documents import dimension
 
@@ -132,7 +132,7 @@ def _shown(fit: Fit, dimension: str, size: float) -> _Unit:
 
 
 def _written(fit: Fit, dimension: str, value: float) -> str:
-    return in_unit(value, _shown(fit, dimension, value))
+    return shown_number(value, _shown(fit, dimension, value))
 
 
 def _in_units(axis: Axis, factor: float) -> None:

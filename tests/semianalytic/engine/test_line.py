@@ -137,5 +137,5 @@ def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
         np.abs(coarse.interface.slip[-1] - fine.interface.slip[-1]).max()
         < 0.01 * fine.interface.slip.max()
     )
-    with pytest.raises(sf.SceneError, match="run: `step_ratio` is beyond the stable range"):
+    with pytest.raises(sf.SceneError, match="march: `step_ratio` is beyond the stable range"):
         sf.solve(scene, end_time=4.0, nodes=64, step_ratio=10.0 if poisson < 0 else stable + 0.15)

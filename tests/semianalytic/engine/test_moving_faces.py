@@ -11,8 +11,8 @@ import semianalytic as sf
 from semianalytic.engine.bodies.motion import Levels, MotionRecord
 from semianalytic.engine.bodies.spectrum import terms_of
 from semianalytic.engine.bodies.transfer import decays, potentials
+from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.run import run
 
 SOLID, UPPER, LOWER = (
     sf.Material(*number) for number in ((1.0, 1.0, 1 / 3), (1.0, 1.0, 0.25), (2.5, 1.2, 0.25))
@@ -93,7 +93,7 @@ def marched(name, nodes, **settings):
     scene = sf.find(name)
     if not scene.on_line:
         scene = replace(scene, period=12.0 if name == "pair-slip" else 10.0)
-    return run(scene, settings.pop("end_time", 1.0), nodes, **settings)
+    return march(scene, settings.pop("end_time", 1.0), nodes, **settings)
 
 
 def test_a_point_beside_a_slip_zone_comes_to_the_digits_of_another_computation():
@@ -118,7 +118,7 @@ def test_a_slot_is_the_same_beside_a_half_line_and_on_a_line():
     """Both marches, their readings and their bodies, on nodes of one distance."""
     scene, t = sf.find("ramp"), 0.9
     beside = sf.solve(scene, nodes=100, end_time=1.0)
-    along = run(replace(scene, period=8.0), 1.0, nodes=400)
+    along = march(replace(scene, period=8.0), 1.0, nodes=400)
     places = np.array([-0.4, 0.2, 0.5, 0.3]), np.array([0.2, 0.3, -0.25, -0.1])
     for name in ("velocity", "stress", "displacement"):
         slot, line = (getattr(each, name)(*places, t) for each in (beside, along))
@@ -202,9 +202,9 @@ def test_a_picture_is_that_of_its_gauges_in_both_bodies():
 
 def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     scene = replace(sf.find("preloaded"), period=10.0)
-    at, whole = (0.3, 0.8, [0.7, 0.9]), run(scene, 1.0, 128)
-    part = run(scene, 0.6, 128, latest=1.0)
-    gone = run(scene, 1.0, 128, go_on=part)
+    at, whole = (0.3, 0.8, [0.7, 0.9]), march(scene, 1.0, 128)
+    part = march(scene, 0.6, 128, latest=1.0)
+    gone = march(scene, 1.0, 128, go_on=part)
     np.testing.assert_allclose(gone.stress(*at), whole.stress(*at), atol=1e-5)
     whole.save(tmp_path / "run.h5")
     loaded = Marched.load(tmp_path / "run.h5")
@@ -224,12 +224,12 @@ def test_what_is_not_known_is_refused():
         slow.velocity(0.1, 0.3, 20.0)
     pair = replace(sf.find("pair-slip"), period=8.0, load=sf.IncidentWave("SV", 10.0, stress=0.1))
     with pytest.raises(sf.SceneError, match="an incident wave sends through two different bodies"):
-        run(pair, 0.2, 64, estimate=False).stress(0.1, 0.3, 0.1)
+        march(pair, 0.2, 64, estimate=False).stress(0.1, 0.3, 0.1)
 
 
 def test_base_that_varies_along_x_is_left_out_of_stress():
     scene = sf.find("tpv205")
-    stress = run(scene, 0.5, 64, estimate=False).stress([0.0, 9e3], 5e3, 0.0)
+    stress = march(scene, 0.5, 64, estimate=False).stress([0.0, 9e3], 5e3, 0.0)
     assert stress[2].tolist() == [0.0, 0.0]
     assert stress[1].tolist() == [-scene.base.pressure] * 2
 

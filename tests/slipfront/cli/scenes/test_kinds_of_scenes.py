@@ -186,26 +186,21 @@ def test_solve_marches_saves_and_goes_on(tmp_path, shown, printed):
 
 
 def test_interrupted_march_is_saved(monkeypatch, shown, printed):
-    """Ctrl-C after 30 steps: the file holds them, and can go on."""
+    """Ctrl-C after the first steps: the file holds them, and can go on."""
 
     @contextmanager
     def pressing(*_):
-        yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
+        yield lambda done, parts: os.kill(os.getpid(), signal.SIGINT) if done > 0 else None
 
     with monkeypatch.context() as patch:
         patch.setattr("compare.output.progress.progress_bar", pressing)
         said = shown("solve harmonic --nodes 100 --save march.h5", 130).err
     assert "holds the march until" in " ".join(said.split())
-    assert Marched.load("march.h5").steps == 30
+    assert 0 < Marched.load("march.h5").end_time < 0.1
     printed("solve harmonic --go-on march.h5")
 
-    @contextmanager
-    def soon(*_):
-        # of a thousand parts of a march along a line, which notes the signal itself
-        yield lambda done, parts: os.kill(os.getpid(), signal.SIGINT) if done > 0 else None
-
     with monkeypatch.context() as patch:
-        patch.setattr("compare.output.progress.progress_bar", soon)
+        patch.setattr("compare.output.progress.progress_bar", pressing)
         shown("solve supershear --nodes 128 --save line.h5 --no-estimate", 130)
     assert 0 < Marched.load("line.h5").end_time < 30
 
