@@ -98,7 +98,7 @@ def settings_of(solver: Any, problem: object) -> list[str]:
     if hasattr(solver, "settings_of"):
         return list(solver.settings_of(problem))
     known = [*inspect.signature(solver.solve).parameters.values()][1:]
-    return ["**" if one.kind is one.VAR_KEYWORD else one.name for one in known]
+    return ["**" if entry.kind is entry.VAR_KEYWORD else entry.name for entry in known]
 
 
 class Chosen(NamedTuple):  # the method that answers a problem, and its module

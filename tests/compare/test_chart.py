@@ -163,7 +163,7 @@ def test_a_budget_leaves_out_finer_points_which_the_next_run_measures(few, tmp_p
     monkeypatch.setattr(points, "monotonic", now)
     whole = [("antiplane", *task) for task in problems[0].tasks]
     some = measure_all(tmp_path, problems, budget=3.0)
-    assert [one.key for one in some] == whole[:2]
+    assert [entry.key for entry in some] == whole[:2]
     assert not_measured(problems, some) == whole[2:]
     again = measure_all(tmp_path, problems)
     assert sorted(few.calls) == sorted(whole)
