@@ -202,12 +202,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         normal = self.normal
         return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
-    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return strength less shear traction, f p - |tau| [stress], where it sticks; 0 where it
-        slips."""
-        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
-        return strength - np.abs(self.shear_traction(x, t))
-
     @cached_property
     def edge_slip_rate(self) -> float:
         """Relative slip rate at the contact edge, x -> 0+ [length / time]; 0 if it sticks."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,20 +22,6 @@ from semianalytic.selfsimilar.zones.tuning import (
     SAFETY,
 )
 from semianalytic.sweeps import tuning
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """The predicted zones at one friction.
-
-    It holds the unknowns, the inverse Jacobian from neighbours, a bound of the unknowns' error, and
-    the tolerance of the rule that is probably needed.
-    """
-
-    unknowns: Array
-    inverse: Array
-    doubt: float
-    tolerance: float
 
 
 @dataclass(frozen=True)
@@ -205,15 +191,24 @@ def _estimates(
     return difference(edges, zones.unknowns, moved, fields, coarse) + others
 
 
-def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> ContinuedZones:
-    """Compute edges at several frictions from predictions, with error estimates and checks.
+def continued(
+    sets: ZoneSets, start: Array, inverse: Array, doubt: Array, tolerances: Array, rtol: float
+) -> ContinuedZones:
+    """Compute edges from predictions, with error estimates and checks.
 
     Edges whose error estimate exceeds rtol are computed on finer rules.
+
+    Parameters
+    ----------
+    start : (e, k) array
+        Predicted unknowns.
+    inverse : (k, e, e) array
+        Inverse Jacobians from neighbours.
+    doubt, tolerances : (k,) arrays
+        Bounds of the errors of the unknowns, and tolerances of the rules that are probably needed.
     """
-    count, size = len(predictions), len(sets.edges.segments)
-    every = ([getattr(start, field.name) for start in predictions] for field in fields(Prediction))
-    unknowns, inverse, doubt, tolerances = map(np.array, every)
-    unknowns = unknowns.T.reshape(size, count)
+    unknowns, tolerances = start.copy(), tolerances.copy()
+    size, count = unknowns.shape
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
     # Share of itself that a chord step leaves, by the doubt of its prediction.

@@ -21,7 +21,7 @@ from semianalytic.selfsimilar.zones.edges import moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, missed_slip, shift_error
 from semianalytic.selfsimilar.zones.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import Prediction, ZoneSets, newton
+from semianalytic.sweeps.batches import ZoneSets, newton
 from semianalytic.sweeps.neighbours import Neighbourhood, Stencils
 
 Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
@@ -77,11 +77,6 @@ class Predictions:
     def __getitem__(self, which: np.ndarray) -> Predictions:
         """Return some of the predictions."""
         return Predictions(*(getattr(self, field.name)[which] for field in fields(self)))
-
-    def each(self) -> list[Prediction]:
-        """Return the predictions for correction on the fine rule."""
-        parts = zip(self.unknowns, self.inverse, self.doubt, self.tolerance, strict=True)
-        return [Prediction(values, two, float(off), rule) for values, two, off, rule in parts]
 
 
 def predicted(
