@@ -178,7 +178,7 @@ class ZoneTransform(GivenZones):
         panels, (sources, imag) = self.panels, self._pressure.sources
         if not len(sources):
             return imag
-        pairs, weights = self.layout.pairs_from(tuple(sources.tolist())), panels.jacobian * imag
+        pairs, weights = self.layout.pairs_from(sources), panels.jacobian * imag
         total = pairs.collect(panels.cauchy(pairs, weights[pairs.source]))
         # A principal value where source and target are the same panel.
         total[sources] += panels.principal_values(sources, weights[sources])
