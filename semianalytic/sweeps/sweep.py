@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -48,7 +49,7 @@ class Sweep:
     Attributes
     ----------
     scene : Scene
-        The scene; its own friction plays no part.
+        The scene; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in the order asked for.
     poisson_ratio : (n,) array
@@ -169,7 +170,7 @@ class Sweep:
 
     @property
     def status(self) -> tuple[str, ...]:
-        """Status of each solution; "converged", or a sentence saying what to distrust."""
+        """Status of each solution; "converged", or a sentence on what is unreliable."""
         return tuple(solution.status for solution in self.solutions)
 
     @property
@@ -205,7 +206,7 @@ def sweep(
     Parameters
     ----------
     scene : Scene, str or path
-        The scene, or its name or file as for `find`; its own friction plays no part.
+        The scene, or its name or file as for `find`; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float
@@ -262,7 +263,9 @@ def sweep(
     solutions, origin = _solved(scene, points, rtol)
     place = np.ravel(place)
     chosen = tuple(solutions[i] for i in place)
-    return Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    swept = Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    logging.getLogger(__name__).info("%r", swept)
+    return swept
 
 
 def _numbers(name: str, given: np.ndarray) -> Array:
