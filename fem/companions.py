@@ -56,25 +56,18 @@ def with_companions(
     >>> fine.resolution, fine.companion.resolution
     (16, 8)
     """
-    resolutions = [round(simulation.resolution / 2**n) for n in range(1, COMPANIONS + 1)]
-    folders = [snapshots and companion_folder(snapshots, n + 1) for n in range(COMPANIONS)]
-    runs = list(zip(resolutions, folders, strict=True))
-    return _carrying(simulation, runs, progress)
-
-
-def _carrying(
-    simulation: Simulation,
-    runs: list[tuple[int, Path | None]],
-    progress: Callable[[int, int], None] | None,
-) -> Simulation:
-    """The simulation with companions of the given resolutions and folders, one carried by
-    another."""
-    if not runs:
-        return simulation
-    companion = simulation.companion or _coarser(simulation, *runs[0], progress)
-    if companion is None:
-        return simulation
-    return replace(simulation, companion=_carrying(companion, runs[1:], progress))
+    chain = [simulation]
+    for number in range(1, COMPANIONS + 1):
+        resolution = round(simulation.resolution / 2**number)
+        folder = snapshots and companion_folder(snapshots, number)
+        coarser = chain[-1].companion or _coarser(chain[-1], resolution, folder, progress)
+        if coarser is None:
+            break
+        chain.append(coarser)
+    carrying = chain.pop()
+    while chain:
+        carrying = replace(chain.pop(), companion=carrying)
+    return carrying
 
 
 def _coarser(
