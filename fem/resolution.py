@@ -72,7 +72,7 @@ def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
         needed = needed_resolution(history, crossing, end_time)
         if needed is None:
             raise SceneError(
-                f"simulate: the {name} history turns back within no time at all; smooth it, or "
+                f"simulate: the {name} history reverses instantaneously; smooth it, or "
                 "take out samples that lie close together (docs/limits.md)."
             )
         raise SceneError(

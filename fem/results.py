@@ -260,7 +260,7 @@ class Simulation(SampledAnswer):
 
     @property
     def caution(self) -> str:
-        """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
+        """Sentences on what the mesh is too coarse for; "" if nothing is known."""
         return mesh_caution(self.scene, self.end_time, self.resolution)
 
     @property

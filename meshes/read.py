@@ -38,7 +38,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     elif beyond or len(outer) != sum(blocks.sides.values()):
         complaint = "its sides do not consist of whole element sides"
     if complaint:
-        raise DataFileError(f"{path} is not the mesh asked for: {complaint}; delete it.")
+        raise DataFileError(f"{path} is not the requested mesh: {complaint}; delete it.")
     # zeros without a sign
     points[:, sides] = blocks.size * np.rint(places[:, sides]) + 0.0
     return MeshTri(points, elements)

@@ -37,7 +37,7 @@ def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) ->
     there = sorted(name for name in (*_names(sheets), SUMS) if (folder / name).exists())
     if there and not overwrite:
         raise SceneError(
-            f"{folder / there[0]} is there already; choose another folder, or give --overwrite."
+            f"{folder / there[0]} exists already; choose another folder, or give --overwrite."
         )
     with working_folder(folder):
         contents = exported(sheets)

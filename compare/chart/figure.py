@@ -80,10 +80,10 @@ def judged_by(points: Sequence[Point], label: str) -> str:
         for found in findings(points)
         if found.scene == label and found.method != own and found.least_error < math.inf
     ]
-    confirmed = f"agrees with {' and '.join(others)}" if others else "no other method judges it"
+    confirmed = f"agrees with {' and '.join(others)}" if others else "is compared with no other"
     return (
         f"Reference: {point.reference}, uncertain by {point.reference_error:.0e}; "
-        f"it judges its own method, and {confirmed}."
+        f"it is one of the methods shown, and {confirmed}."
     )
 
 

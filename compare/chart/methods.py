@@ -169,7 +169,7 @@ def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
     except Exception as error:  # of any kind, or the process was killed
         raise ComputationError(
             f"{METHODS[method].label} on {problem.label} at {setting:g} failed ({error}); start "
-            "again to go on with the other points."
+            "again to continue with the other points."
         ) from error
 
 

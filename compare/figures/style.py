@@ -22,7 +22,6 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.results import plotting
-from semianalytic.scene.units import unit
 
 LineStyle = Literal["-", "--", "-.", ":"]
 P = ParamSpec("P")
@@ -138,13 +137,13 @@ def scene_words(scene: Scene) -> str:
     title = plotting.scene_title(scene)
     if scene.on_line:
         return title
-    pascal = f" {unit('stress', scene.units)}" if scene.units else ""
+    factor, pascal = plotting.shown_units(scene, 1.0, 1.0)[-1] if scene.units else (1.0, "")
     sizes = ""
     if scene.units:  # else they are of the scene's own units, in which numbers mean nothing more
         speed = scene.material.shear_speed
         sizes = f" = {slip_rate_scale(scene):.3g} m/s, cₜ = {speed:.4g} m/s"
-    scales = f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal}, V₀ = 2 τ₀ / ρcₜ{sizes}"
-    return f"{title}; {scales}"
+    stress = f"{stress_scale(scene) * factor:.3g} {pascal}".rstrip()
+    return f"{title}; τ₀ = {_unit_name(scene)} = {stress}, V₀ = 2 τ₀ / ρcₜ{sizes}"
 
 
 def _unit_name(scene: Scene) -> str:

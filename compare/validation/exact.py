@@ -96,8 +96,8 @@ class Exact:
         """Return records that a grid may see instead: a band [length] early, late, near and far."""
         late = band / self.scene.material.shear_speed
         half = self.scene.period / 2
-        ends = next((one for one in self.scene.contact.intervals if one[0] < x < one[1]), (x, x))
-        begin, end = (CLOSEST * x + (1 - CLOSEST) * one for one in np.clip(ends, -half, half))
+        ends = next((own for own in self.scene.contact.intervals if own[0] < x < own[1]), (x, x))
+        begin, end = (CLOSEST * x + (1 - CLOSEST) * end for end in np.clip(ends, -half, half))
         records = [self.record(name, x, t + shift) for shift in (-late, late)]
         places = max(x - band, begin), min(x + band, end)
         return (*records, *(self.record(name, place, t) for place in places))

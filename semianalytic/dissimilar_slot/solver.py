@@ -266,14 +266,14 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
             f"scene: where the upper body slips towards {'+' if sense > 0 else '-'}x under "
             f"friction {interface.friction:.4g}, waves that run ahead grow by "
             f"{100 * np.expm1(wave.per_wavelength):.3g} % over every wavelength, however short, "
-            f"and nothing has an answer: {''.join(f'{way}, or ' for way in ways)}let friction "
+            f"and no answer exists: {''.join(f'{way}, or ' for way in ways)}let friction "
             f"follow pressure with a delay of some {share:.2g} of the time of interest "
             "(docs/dissimilar.md)."
         )
 
 
 def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: float) -> str:
-    """Return "converged", or a sentence that says what to distrust."""
+    """Return "converged", or a sentence on what is unreliable."""
     if not lawful:
         return "no set of zones was found that obeys the law of contact everywhere"
     # 0.26 to 0.37 is usual, 0.05 with an edge next to a wave front.

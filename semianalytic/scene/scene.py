@@ -122,7 +122,7 @@ class Scene(AlongLine):
     ------
     SceneError
         If friction is negative or not finite, if the mode or the place of the load is unknown, if
-        the base, or what a remote load makes of it, presses the interface apart, if the base cannot
+        the base, alone or with a remote load, is a tension, if the base cannot
         be at rest, if a remote load is no step, or if friction falls with slip rate faster than
         radiation can balance under the pressure in place.
 
@@ -277,7 +277,7 @@ class Scene(AlongLine):
         name = f"a load of the kind {type(self.load).__name__}"
         if self.load_on != SLOT:
             raise SceneError(
-                f"scene: {name} says itself where it acts; leave out load_on, which is for "
+                f"scene: {name} determines where it acts; leave out load_on, which is for "
                 "tractions."
             )
         if not isinstance(self.load, IncidentWave):
@@ -471,8 +471,8 @@ class Scene(AlongLine):
         if self.front_slowness and self.far_slip_rate:
             raise SceneError(
                 "solve: the wave alone exceeds friction, so that the contact slips from its front "
-                "on, before anything comes from the slot; lower the wave, or raise friction or the "
-                "base pressure (docs/limits.md)."
+                "on, before any wave from the slot arrives; lower the wave, or raise friction or "
+                "the base pressure (docs/limits.md)."
             )
 
     def check_self_similar(self) -> None:

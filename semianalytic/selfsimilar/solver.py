@@ -164,7 +164,7 @@ def checked_rtol(scene: Scene, rtol: float) -> float:
     strongest = tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2
     if isinstance(scene.law, Coulomb) and scene.law.viscosity > strongest:
         raise SceneError(
-            "solve: under so large a viscosity slip is below rounding; make it less than "
+            "solve: under so large a viscosity slip is below rounding; lower it below "
             f"{strongest:.3g} (docs/limits.md)."
         )
     return rtol
@@ -220,7 +220,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
 
 
 def _status(best: Trial, estimate: float, rtol: float) -> str:
-    """Return "converged", or a sentence that says what to distrust."""
+    """Return "converged", or a sentence on what is unreliable."""
     nearly = _nearly_at_friction(best.profile.fields.load)
     if not best.lawful:
         return "no set of slip zones was found that fulfils Coulomb's law everywhere" + nearly

@@ -49,7 +49,7 @@ class Sweep:
     Attributes
     ----------
     scene : Scene
-        The scene; its own friction plays no part.
+        The scene; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in the order asked for.
     poisson_ratio : (n,) array
@@ -170,7 +170,7 @@ class Sweep:
 
     @property
     def status(self) -> tuple[str, ...]:
-        """Status of each solution; "converged", or a sentence saying what to distrust."""
+        """Status of each solution; "converged", or a sentence on what is unreliable."""
         return tuple(solution.status for solution in self.solutions)
 
     @property
@@ -206,7 +206,7 @@ def sweep(
     Parameters
     ----------
     scene : Scene, str or path
-        The scene, or its name or file as for `find`; its own friction plays no part.
+        The scene, or its name or file as for `find`; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float

@@ -272,7 +272,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "no_estimate": (bool, "Skip the second march, on half the nodes, that gives the error."),
-        "save": (Path, "File to save the march to: .h5, or on a line .nc for NetCDF."),
+        "save": (Path, "File to save the answer to: .h5, or .nc for NetCDF of a march."),
         "go_on": (Path, "File of a saved march to continue."),
     }.items()
 }

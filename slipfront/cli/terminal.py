@@ -23,7 +23,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_numb
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values
 from compare.output.printed import PrintedTable
 from semianalytic import Scene
-from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
+from semianalytic.results.in_words import digits_apart, number_or_infinity
 from semianalytic.scene.given.documents import history_document
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step
@@ -40,6 +40,8 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from fem import Simulation
     from semianalytic import Marched
 
+_SENSES = {1: "forward", -1: "reverse"}
+"""Slip towards +x and towards -x."""
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
 
@@ -66,7 +68,7 @@ def zones_table(answer: Any, title: str) -> PrintedTable:
     table.add_column("regime")
     table.add_column("sense")
     parts = [
-        (str(number), zone, kind_of_slip(zone["sense"]))
+        (str(number), zone, _SENSES[zone["sense"]])
         for number, zone in enumerate(known["zones"], start=1)
     ]
     parts += [("open", opening, "") for opening in known["openings"]]
@@ -154,7 +156,7 @@ def end_table(answer: Any, end_time: float) -> PrintedTable:
     when = with_unit(end_time, "time", answer.scene.units)
     table = PrintedTable("quantity", "value", "unit", title=f"t = {when}")
     zones = [
-        (f"zone {n}, {kind_of_slip(zone['sense'])}", zone) for n, zone in enumerate(end["zones"], 1)
+        (f"zone {n}, {_SENSES[zone['sense']]}", zone) for n, zone in enumerate(end["zones"], 1)
     ]
     zones += [("open", part) for part in end["openings"]]
     digits = digits_apart([part[name] for _, part in zones for name in ("start", "end")], 6)

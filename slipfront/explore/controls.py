@@ -290,7 +290,7 @@ def values_from_query(query: str, start: Scene) -> Values:
     given: Values = {}
     for name, text in texts.items():
         if name not in base and name not in FIXED:
-            raise SceneError(f"the address names {shown(name)}, which no scene has; take it out.")
+            raise SceneError(f"the address names {shown(name)}, which no scene has; remove it.")
         word = name in CHOICES or name == "units"
         given[name] = text if word else _number(texts, name)
         if name in CHOICES and text not in CHOICES[name]:

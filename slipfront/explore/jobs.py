@@ -71,9 +71,13 @@ def marched_field(done: Marched, moment: Moment, progress: Progress) -> FieldVie
 def marched(scene: Scene, progress: Progress) -> Marched:
     """March a scene until T."""
 
-    def tell(done: int, steps: int) -> None:
-        if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:
-            progress(done, steps)
+    told = 0
+
+    def tell(time: float, end: float) -> None:
+        nonlocal told
+        if (share := int(STEPS_TOLD * time / end)) > told:
+            told = share
+            progress(told, STEPS_TOLD)
 
     found: Marched = solve(scene, method="space-time", end_time=end_time(scene), progress=tell)
     return found

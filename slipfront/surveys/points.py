@@ -183,7 +183,7 @@ def _march_options(scene: Scene, question: Question) -> dict[str, Any]:
     if scene.on_line and question.t:
         options = {"end_time": max(question.t), **options, "times": question.t}
     if scene.on_line and "end_time" not in options:
-        raise SceneError("survey: end_time is missing; say until when the scene is marched.")
+        raise SceneError("survey: end_time is missing; give the end of the march.")
     return options
 
 

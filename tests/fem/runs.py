@@ -88,10 +88,10 @@ OF_CLOCK = ("seconds",)
 """Fields in which two equal simulations may differ: those of the clock."""
 
 
-def assert_same(one, other, but=OF_CLOCK):
+def assert_same(first, other, but=OF_CLOCK):
     """Fail unless two simulations are equal to the last bit, but for some fields."""
-    for field in dataclasses.fields(one):
-        left, right = getattr(one, field.name), getattr(other, field.name)
+    for field in dataclasses.fields(first):
+        left, right = getattr(first, field.name), getattr(other, field.name)
         if field.name in ("interface", "slot", "energy", "totals"):
             for part in dataclasses.fields(left):
                 np.testing.assert_array_equal(getattr(left, part.name), getattr(right, part.name))

@@ -189,10 +189,10 @@ def test_edge_is_the_same_on_finer_rules_and_for_any_moduli(nu, monkeypatch):
 
 def test_softer_block_counts_more():
     stiff, soft = Material(9.0, 1.0, 0.0), Material(1.0, 1.0, -0.9)
-    one, other = edge_offset([stiff]), edge_offset([soft])
+    first, other = edge_offset([stiff]), edge_offset([soft])
     both = edge_offset([stiff, soft])
-    assert one < both < other
-    assert other - both < 0.1 * (other - one)
+    assert first < both < other
+    assert other - both < 0.1 * (other - first)
 
 
 @pytest.mark.thinned(4)

@@ -100,7 +100,7 @@ def test_cells_are_those_of_the_blocks(damage, complaint, tmp_path, monkeypatch)
 
 
 def test_free_walls_are_farther_away():
-    held, free = (causal_blocks(2.0, 1.0, 0.02, free_walls=one) for one in (False, True))
+    held, free = (causal_blocks(2.0, 1.0, 0.02, free_walls=choice) for choice in (False, True))
     assert free.left * 0.02 > 2.0 * 1.5
     assert (free.right, free.height) == (held.right, held.height)
 

@@ -28,8 +28,8 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     capsys.readouterr()
     assert main(["benchmark", "score", str(table), "--json"]) == 0
     scores = json.loads(capsys.readouterr().out)["scores"]
-    assert [one["quantity"] for one in scores] == ["arrival", "slip_rate", "slip", "shear_traction"]
-    assert max(one["error"] for one in scores[1:]) < 1e-9
+    assert [row["quantity"] for row in scores] == ["arrival", "slip_rate", "slip", "shear_traction"]
+    assert max(score["error"] for score in scores[1:]) < 1e-9
     few = tmp_path / "[bold] few.csv"
     rows = "0.1,0.5,0,1\n0.9,0.5,0,1\n9,0.5,0,1\n0.1,0.7123,0,1\n0.2,0.7123,0,1\n"
     few.write_text(f"# benchmark: antiplane\nt,x,slip,heat\n{rows}")

@@ -49,7 +49,7 @@ EDGES = {
 
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize(
-    "name", [*QUICK, *(pytest.param(one, marks=pytest.mark.slow) for one in PAIRS)]
+    "name", [*QUICK, *(pytest.param(pair, marks=pytest.mark.slow) for pair in PAIRS)]
 )
 def test_a_table_holds_what_the_solver_says(name):
     sheet = SHEETS[name]
@@ -86,7 +86,7 @@ def test_at_an_arrival_the_level_is_passed_and_no_front_passes_at_a_time_of_the_
 
 def test_a_march_is_as_far_off_as_it_says(monkeypatch):
     sheet = SHEETS["pulse"]
-    assert [name for name, one in SHEETS.items() if one.is_marched] == ["pulse", *INTERFACES]
+    assert [name for name, listed in SHEETS.items() if listed.is_marched] == ["pulse", *INTERFACES]
     fine = fields_of(
         sheet, solve(sheet.problem, method="space-time", end_time=1.0, nodes=1600, estimate=False)
     )
@@ -120,9 +120,9 @@ def changes(name, nodes, stored):
     fields, errors = limit(name, nodes)
     known = {**stored.values, "arrivals": stored.arrivals}
     return [
-        one
-        for one, values in fields.items()
-        if not benchmarks.apart(one, values, known[one]) <= errors[one] + stored.errors[one]
+        field
+        for field, values in fields.items()
+        if not benchmarks.apart(field, values, known[field]) <= errors[field] + stored.errors[field]
     ]
 
 
@@ -160,7 +160,7 @@ def test_until_a_wave_has_crossed_it_one_of_two_slots_is_one_long_slot():
 
 def test_stored_data_are_signed_and_a_changed_digit_is_refused(tmp_path):
     lines = (DATA / SUMS).read_text().splitlines()
-    assert {line.split()[1] for line in lines} == {one.name for one in DATA.iterdir()} - {SUMS}
+    assert {line.split()[1] for line in lines} == {path.name for path in DATA.iterdir()} - {SUMS}
     assert {f"{name}.json" for name in INTERFACES} < {line.split()[1] for line in lines}
     folder = shutil.copytree(DATA, tmp_path / "data")
     text = stored_text("tpv205.json", folder)

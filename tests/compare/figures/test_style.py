@@ -107,7 +107,7 @@ def test_the_same_figure_is_the_same_bytes(form, begins, tmp_path, monkeypatch):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
         path = tmp_path / date / f"one.{form}"
         save_figure(figure_of_words(), path)
-        assert [one.name for one in path.parent.iterdir()] == [path.name]
+        assert [file.name for file in path.parent.iterdir()] == [path.name]
         found.append(path.read_bytes())
     assert found[0] == found[1]
     assert found[0].startswith(begins)

@@ -67,8 +67,8 @@ def test_stiff_films_and_openings_below_a_node_count(viscosity, pressure, shear,
     at, when = np.random.default_rng(1).uniform((0.01, 0.3), (1.8, 1.0), (200, 2)).T
     bars, points = march.reading(at, when), exact.reading(at, when)
     for name in NAMES if pressure else ():
-        (one, bar), (other, _) = getattr(bars, name), getattr(points, name)
-        assert (np.abs(one - other) <= bar).all(), name
+        (first, bar), (other, _) = getattr(bars, name), getattr(points, name)
+        assert (np.abs(first - other) <= bar).all(), name
 
 
 def test_slip_that_begins_in_a_long_step_begins_in_a_short_one():
@@ -93,8 +93,8 @@ def test_each_of_two_slip_zones_has_its_error():
         face = scene_along(SOLID, sf.Coulomb(0.5), 16.0, loads=[load])
         return sf.solve(face, end_time=1.0, nodes=256, times=[0.5, 1.0])
 
-    one, both = zones(0.0), zones(1.6)
-    assert both.error_estimates["slip"] > 2 * one.error_estimates["slip"]
+    single, both = zones(0.0), zones(1.6)
+    assert both.error_estimates["slip"] > 2 * single.error_estimates["slip"]
 
 
 @pytest.mark.parametrize("part", [0.0, 0.25, 0.5])

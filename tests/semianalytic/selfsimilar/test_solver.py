@@ -55,8 +55,8 @@ def test_closed_forms_are_met(name, nu):
     """Also in units of length, stress and time that are not 1."""
     scale, solid = 1.5, sf.Material(2.0, 3.0, nu)
     base, load = (
-        sf.Tractions(scale * one.pressure, scale * one.shear)
-        for one in (KNOWN[name].base, KNOWN[name].load)
+        sf.Tractions(scale * traction.pressure, scale * traction.shear)
+        for traction in (KNOWN[name].base, KNOWN[name].load)
     )
     scene = replace(KNOWN[name], material=solid, base=base, load=load)
     solution = sf.solve(scene, rtol=1e-11)

@@ -25,13 +25,13 @@ SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}
 """Frictions of sweeps of named scenes, which cross thresholds."""
 
 
-def edge_difference(one, other):
+def edge_difference(first, other):
     """The largest difference of zone edges over c_t; None if the zones differ in number.
 
     Zones that are closer to each other than rounding count as one.
     """
-    speed = one.scene.material.shear_speed
-    mine, theirs = (joined(solution.edge_speeds / speed) for solution in (one, other))
+    speed = first.scene.material.shear_speed
+    mine, theirs = (joined(solution.edge_speeds / speed) for solution in (first, other))
     if len(mine) != len(theirs):
         return None
     return max((abs(p - q) for p, q in zip(mine, theirs, strict=True) if p != q), default=0.0)
@@ -44,25 +44,25 @@ def joined(fronts):
 
 
 def check_against_single(swept, rtol):
-    for friction, one in zip(swept.friction, swept.solutions, strict=True):
+    for friction, solution in zip(swept.friction, swept.solutions, strict=True):
         other = solve(with_numbers(swept.scene, {"friction": friction}), rtol=rtol)
-        assert one.scene == other.scene
-        assert one.status == other.status
+        assert solution.scene == other.scene
+        assert solution.status == other.status
         if other.status == "converged":
-            difference = edge_difference(one, other)
-            assert difference is not None, (friction, one.zones, other.zones)
-            assert difference <= one.error_estimate + other.error_estimate
-            assert one.error_estimate <= rtol
+            difference = edge_difference(solution, other)
+            assert difference is not None, (friction, solution.zones, other.zones)
+            assert difference <= solution.error_estimate + other.error_estimate
+            assert solution.error_estimate <= rtol
 
 
-def check_one(one, rtol, strict=1e-10):
+def check_one(first, rtol, strict=1e-10):
     """Edges and slip rate at the contact edge are off by no more than is estimated; the truth."""
-    exact = solve(one.scene, rtol=strict)
-    difference = edge_difference(one, exact)
-    assert difference is not None, (one, exact)
-    assert difference <= one.error_estimate <= rtol
-    rate = np.abs(one.edge_slip_rate - exact.edge_slip_rate)
-    assert rate <= one.error_estimate * max(1.0, abs(exact.edge_slip_rate))
+    exact = solve(first.scene, rtol=strict)
+    difference = edge_difference(first, exact)
+    assert difference is not None, (first, exact)
+    assert difference <= first.error_estimate <= rtol
+    rate = np.abs(first.edge_slip_rate - exact.edge_slip_rate)
+    assert rate <= first.error_estimate * max(1.0, abs(exact.edge_slip_rate))
     return exact
 
 
@@ -105,13 +105,13 @@ def test_fields_are_those_of_single_solutions():
     swept = sweep(SHOCK, friction)
     assert not swept.from_scratch.all()
     x = np.linspace(0.05, 1.9, 50)
-    for one in swept.solutions:
-        other = solve(one.scene)
+    for solution in swept.solutions:
+        other = solve(solution.scene)
         scale = other.edge_slip_rate
         np.testing.assert_allclose(
-            one.slip_rate(x, 1.0), other.slip_rate(x, 1.0), atol=1e-6 * scale
+            solution.slip_rate(x, 1.0), other.slip_rate(x, 1.0), atol=1e-6 * scale
         )
-        margin = one.stick_margin(x, 1.0)
+        margin = solution.stick_margin(x, 1.0)
         np.testing.assert_allclose(margin, other.stick_margin(x, 1.0), atol=1e-6)
 
 
@@ -180,19 +180,19 @@ def test_error_estimates_hold_for_every_origin(nu, remote, low, width, count, rt
     swept = sweep(start, low + width * np.linspace(0, 1, count), rtol)
     assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
     for origin in (COMPUTED, INTERPOLATED):
-        some = [i for i, one in enumerate(swept.origin) if one == origin]
+        some = [i for i, source in enumerate(swept.origin) if source == origin]
         for i in some[:: max(1, len(some) // 8)]:
-            one, exact = swept[i], solve(swept[i].scene, rtol=1e-10)
-            difference = edge_difference(one, exact)
+            entry, exact = swept[i], solve(swept[i].scene, rtol=1e-10)
+            difference = edge_difference(entry, exact)
             if difference is None and origin == COMPUTED:  # a zone that only just exists
-                assert abs(len(one.zones) - len(exact.zones)) == 1
+                assert abs(len(entry.zones) - len(exact.zones)) == 1
                 continue
-            assert one.status == exact.status == "converged"
-            assert difference is not None, (i, one.zones, exact.zones)
-            assert difference <= one.error_estimate <= rtol
+            assert entry.status == exact.status == "converged"
+            assert difference is not None, (i, entry.zones, exact.zones)
+            assert difference <= entry.error_estimate <= rtol
             rates = np.abs(exact.slip_rate(np.linspace(0.01, 1.99, 200), 1.0))
             scale = max(rates.max(), abs(exact.edge_slip_rate))  # zones may be slower than these
-            assert abs(one.edge_slip_rate - exact.edge_slip_rate) <= one.error_estimate * scale
+            assert abs(entry.edge_slip_rate - exact.edge_slip_rate) <= entry.error_estimate * scale
 
 
 def test_frictionless_points_empty_sweeps_and_refusals():
@@ -225,7 +225,7 @@ def swept():
 def test_a_sweep_is_a_sequence_of_its_solutions_and_a_slice_one_over_some_frictions(swept):
     assert len(swept) == 3
     assert list(swept) == list(swept.solutions)
-    assert [one.scene.friction for one in swept] == [0.9, 0.2, 0.5]
+    assert [answer.scene.friction for answer in swept] == [0.9, 0.2, 0.5]
     assert swept[0] is swept.solutions[0]
     assert swept[-1] is swept.solutions[2]
     for beyond in (3, -4):
@@ -303,7 +303,7 @@ def test_points_of_a_fine_grid_agree_with_single_solutions(name):
     swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
     origin = Counter(swept.origin)
     assert origin["interpolated"] > 2 * origin["computed"] > 4 * origin["from scratch"]
-    assert len({tuple(zone.sense for zone in one.zones) for one in swept}) > 1
+    assert len({tuple(zone.sense for zone in answer.zones) for answer in swept}) > 1
     check_some(swept, 60)
 
 
@@ -312,8 +312,8 @@ def test_points_anywhere_agree_with_single_solutions():
     random = np.random.default_rng(1)
     friction, ratio = random.uniform(0.05, 1.0, 400), random.uniform(-0.3, 0.47, 400)
     swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
-    assert [one.scene.friction for one in swept] == friction.tolist()
-    assert [one.scene.material.poisson_ratio for one in swept] == ratio.tolist()
+    assert [answer.scene.friction for answer in swept] == friction.tolist()
+    assert [answer.scene.material.poisson_ratio for answer in swept] == ratio.tolist()
     assert swept.origin.count("from scratch") < 100
     check_some(swept, 40)
 
@@ -335,7 +335,7 @@ def test_contact_that_opens_at_some_ratios_is_solved_one_by_one():
     swept = sweep(
         start, np.linspace(0.3, 0.9, 20), 1e-4, poisson_ratio=np.linspace(0, 0.45, 20)[:, None]
     )
-    opens = np.array([len(one.openings) > 0 for one in swept])
+    opens = np.array([len(answer.openings) > 0 for answer in swept])
     assert 0 < opens.sum() < len(opens)
     assert set(np.array(swept.origin)[opens]) == {"from scratch"}
     for i in np.flatnonzero(opens)[::20]:
@@ -365,14 +365,14 @@ def test_interpolated_tables_are_exact_to_rounding(low):
     family = rayleigh_family(ratios)
     k = np.concatenate([np.linspace(0.05, 0.99, 40), np.geomspace(1.001, 1e6, 60)])
     for j in (0, 17, 39):
-        one, alone = family.chosen(np.array([j])), rayleigh_factors(ratios[j])
-        np.testing.assert_allclose(one.s_plus(k[None])[0], alone.s_plus(k), rtol=1e-14)
-        np.testing.assert_allclose([one.a[0, 0], one.c[0, 0]], [alone.a, alone.c], rtol=1e-15)
+        single, alone = family.chosen(np.array([j])), rayleigh_factors(ratios[j])
+        np.testing.assert_allclose(single.s_plus(k[None])[0], alone.s_plus(k), rtol=1e-14)
+        np.testing.assert_allclose([single.a[0, 0], single.c[0, 0]], [alone.a, alone.c], rtol=1e-15)
         for mode in ("I", "II"):
             exact = stuck_traction(ratios[j], mode)(k)
             scale = np.abs(exact).max()
             np.testing.assert_allclose(
-                traction_of(one, mode)(k[None])[0], exact, rtol=1e-13, atol=1e-14 * scale
+                traction_of(single, mode)(k[None])[0], exact, rtol=1e-13, atol=1e-14 * scale
             )
 
 
@@ -388,8 +388,8 @@ def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
         return np.stack([np.log(share / (1 - share)), 30 * x - 20 * y], axis=-1)
 
     known = [
-        Followed(((), (False, True), (2, 2)), one, 1e-7, 1e-7, Footing(np.eye(2), 0.0))
-        for one in unknowns(places)
+        Followed(((), (False, True), (2, 2)), unknown, 1e-7, 1e-7, Footing(np.eye(2), 0.0))
+        for unknown in unknowns(places)
     ]
     predictions = predicted(known, places, np.arange(20), to, RTOL)
     np.testing.assert_allclose(predictions.unknowns, unknowns(to), atol=1e-8)

@@ -29,8 +29,8 @@ from slipfront.explore.work import Worker
 STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
 )
-NAMED = {name: one.scene for name, one in NAMED_SCENES.items()}
-SCENES = {name: one for name, one in NAMED.items() if one.has_slot and not one.grows}
+NAMED = {name: scene.scene for name, scene in NAMED_SCENES.items()}
+SCENES = {name: listed for name, listed in NAMED.items() if listed.has_slot and not listed.grows}
 SCENES["steel"] = STEEL
 
 
@@ -68,14 +68,14 @@ def test_the_address_holds_the_scene_its_units_and_the_moment():
     assert given_to(session)["moment"] == moment._asdict()
     values = given_to(session)["values"]
     assert values == controls.defaults(STEEL)
-    sliders = {one["name"]: one for one in given_to(session)["sliders"]}
+    sliders = {slider["name"]: slider for slider in given_to(session)["sliders"]}
     for name, dimension in UNITS_OF.items():
         assert sliders[name]["unit"] == unit(dimension, "SI")
     assert sliders["base_pressure"]["high"] == 1e7
     assert sliders["base_pressure"]["step"] == 1e4
     session._answer_to({"query": controls.query_of(controls.defaults(find_scene("tap")))})
     told = told_by(session)
-    assert {one["unit"] for one in told["sliders"]} >= {"stress", "time"}
+    assert {slider["unit"] for slider in told["sliders"]} >= {"stress", "time"}
     assert told["values"]["units"] == ""
 
 
@@ -86,7 +86,7 @@ def test_sliders_stay_as_they_are_while_they_serve():
     session._answer_to({"query": "?load_shear=100000"})
     assert told_by(session)["sliders"] == before
     session._answer_to({"query": "?load_shear=1e9"})
-    (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
+    (slider,) = (slider for slider in told_by(session)["sliders"] if slider["name"] == "load_shear")
     assert slider["high"] == 2e9
 
 
@@ -203,7 +203,7 @@ def test_strips_that_are_not_empty_do_not_read_so(friction, nu, alone):
     for _, text in readings:
         ends += text.removesuffix(" c_t").split(" … ")
         assert float(ends[-2]) < float(ends[-1])
-    assert [float(one) for one in ends] == sorted(map(float, ends))
+    assert [float(end) for end in ends] == sorted(map(float, ends))
     zones = solve(scene, rtol=MOVING_RTOL).zones
     expected = ["slip" if zone.sense > 0 else "reverse slip" for zone in zones]
     assert [kind for kind, _ in readings] == expected
@@ -347,7 +347,7 @@ def test_only_this_machine_and_its_own_pages_are_answered():
     try:
         allowed = server._tornado.websocket_origins
         assert allowed == {f"{name}:{server.port}" for name in ("localhost", "127.0.0.1")}
-        addresses = {one.getsockname()[0] for one in server._http._sockets.values()}
+        addresses = {entry.getsockname()[0] for entry in server._http._sockets.values()}
         assert addresses == {"127.0.0.1"}
     finally:
         server.stop()

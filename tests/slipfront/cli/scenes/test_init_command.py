@@ -53,8 +53,8 @@ def test_weakening_laws_are_the_same_in_si_units():
     for law in (SlipWeakening(1.0, 0.5, 0.3), RateWeakening(1.0, 0.9, 2.0)):
         weakening = under(scene, law)
         plain, si = (
-            solve(one, method="space-time", end_time=None, nodes=100)
-            for one in (weakening, in_si_units(weakening))
+            solve(entry, method="space-time", end_time=None, nodes=100)
+            for entry in (weakening, in_si_units(weakening))
         )
         np.testing.assert_allclose(
             si.interface.slip[-1], 1e-3 * plain.interface.slip[-1], rtol=1e-9, atol=1e-15
