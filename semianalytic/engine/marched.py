@@ -286,14 +286,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         known = (np.abs(given) <= self._reach) & self.scene.contact.touches(place)
         return np.where(known, found, np.nan)
 
-    def events(self, rate: float) -> list[tuple[float, float]]:
-        """Return begin and end of the times in which the peak slip rate exceeds a rate [time]."""
-        t, peaks = self.totals.t, np.asarray(self.totals.peak_rate)
-        above = np.concatenate([[False], peaks > rate, [False]])
-        turns = np.flatnonzero(above[1:] != above[:-1])
-        begins, ends = turns[::2], turns[1::2] - 1
-        return [(float(t[i]), float(t[j])) for i, j in zip(begins, ends, strict=True)]
-
     def beside_edge(self, edge: float, frame: int = -1) -> EdgeReading:
         """Return the fields next to an edge at which the contact of a line sticks.
 

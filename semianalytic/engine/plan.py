@@ -23,12 +23,11 @@ from semianalytic.engine.estimate import (
 )
 from semianalytic.engine.loads import TOLERANCES
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import ContactGrid, Layout, causal_grid, check_size
+from semianalytic.engine.nodes import check_size, checked_entry, laid_out
 from semianalytic.engine.record import Record
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
-    check_weakening_seen,
     nodes_for_loads,
     rounded_up,
     zone_at_edge,
@@ -38,8 +37,6 @@ from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.memory.exponentials import fit_memory
-from semianalytic.memory.impedance import impedance_of
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import process_zone, wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -208,30 +205,6 @@ def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -
     return Plan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
 
-def checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
-    """Return where a load that comes along the slot begins [length]; 0 for any other load.
-
-    Raises
-    ------
-    SceneError
-        If it is given for another load, or is not a positive number.
-    """
-    slowness = scene.front_slowness
-    if slowness <= 0:
-        if entry is not None:
-            raise SceneError(
-                "march: `entry` is for a load that comes along the slot, a wave at a positive "
-                "angle or a moving load of negative speed; leave it out."
-            )
-        return 0.0
-    if entry is not None:
-        return checked_size("march: entry", entry, "be above 0")
-    if scene.front_too_slow:
-        return length
-    # the first wave of the beginning reaches the tip at `latest`
-    return latest / (1 / scene.fastest_speed - slowness)
-
-
 def enough_nodes(
     scene: Scene,
     end_time: float,
@@ -267,29 +240,6 @@ def enough_nodes(
             f"`length` {needed / most:.2g} times (docs/limits.md)."
         )
     return needed
-
-
-def laid_out(
-    scene: Scene, nodes: int, length: float, tolerance: float, companion: bool, **options: Any
-) -> list[tuple[ContactGrid, Layout]]:
-    """Return nodes and layout of a march on a number of contact nodes, and of its companion.
-
-    The options are latest, step_ratio, damping and entry.
-    """
-    check_weakening_seen(scene, length / nodes)
-    latest, entry = options["latest"], options["entry"]
-    grid = causal_grid(scene, latest, length, nodes, entry)
-    # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
-    # same sum of exponentials serves both.
-    passing = latest + max(scene.front_slowness, 0.0) * entry
-    horizon = grid.line.wavenumbers[-1] * scene.material.shear_speed * passing
-    kernel = fit_memory(impedance_of(scene), horizon, tolerance)
-    begins = 0.0 - max(scene.front_slowness, 0.0) * entry
-    layout = Layout(kernel, begins=begins, **options)
-    # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
-    coarse = math.ceil(nodes / 2)
-    coarser = causal_grid(scene, latest, 2 * grid.spacing * coarse, coarse, entry)
-    return [(grid, layout), (coarser, replace(layout, stride=2))][: 1 + companion]
 
 
 # --- along a line ------------------------------------------------------------------------------
