@@ -28,6 +28,9 @@ def test_a_program_hears_what_it_asks_for(caplog):
     said = caplog.records[-1]
     assert said.levelno == logging.INFO
     assert said.message.startswith("a Scene by self-similar: <Solution: slip at")
+    with caplog.at_level(logging.INFO, logger="semianalytic"):
+        sf.sweep(sf.find("preloaded"), [0.2, 0.3])
+    assert caplog.records[-1].message.startswith("<Sweep: 2 friction coefficients")
 
 
 def test_a_level_on_the_command_line_prints_messages_once(shown, refused):

@@ -20,6 +20,8 @@ POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""
 CLOSEST = 0.25
 """Part of the distance to an end of the contact that a station is moved to at most."""
+FRONT_STEP = 1e-3
+"""Step, over T, whose mean stands for a slip rate that is infinite."""
 MARCH_NODES = 800
 
 
@@ -70,6 +72,9 @@ class Exact:
         if key not in self._known:
             t, mean = np.minimum(t, self.end_time), name == "slip_rate" and sampling.kind != POINT
             values = self._mean_rate(x, t, sampling) if mean else getattr(self.answer, name)(x, t)
+            if not np.isfinite(values).all():  # slip rate as the end of a patch passes
+                near = self._mean_rate(x, t, Sampling(AFTER, FRONT_STEP * self.end_time))
+                values = np.where(np.isfinite(values), values, near)
             self._known[key] = np.asarray(values)
         return self._known[key]
 

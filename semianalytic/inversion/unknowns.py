@@ -189,7 +189,7 @@ def has_similarity(scene: Scene) -> bool:
 
 def is_of_setup(name: object) -> bool:
     """Return whether a name is that of a parameter of the set-up, which needs no new solution."""
-    return name in SETUP or _is_lone_gain(name)
+    return str(name) in SETUP or _is_lone_gain(name)
 
 
 def _is_lone_gain(name: object) -> bool:

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.checks import among, check_keys, shown
+from semianalytic.scene.checks import among, check_keys, checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
@@ -178,6 +178,11 @@ class Scene(AlongLine):
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
         check_keys("run.", self.run, (), RUN)
+        for name, value in self.run.items():
+            if name in ("nodes", "every", "frames"):
+                checked_count(f"scene: run.{name}", value, 1, "a whole number from")
+            else:
+                checked_size(f"scene: run.{name}", value)
         # Equal bodies are one problem, however it is stated.
         if self.lower_material == self.material:
             object.__setattr__(self, "lower_material", None)

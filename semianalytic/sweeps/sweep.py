@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -262,7 +263,9 @@ def sweep(
     solutions, origin = _solved(scene, points, rtol)
     place = np.ravel(place)
     chosen = tuple(solutions[i] for i in place)
-    return Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    swept = Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    logging.getLogger(__name__).info("%r", swept)
+    return swept
 
 
 def _numbers(name: str, given: np.ndarray) -> Array:

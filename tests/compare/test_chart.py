@@ -10,7 +10,7 @@ import pytest
 from compare.chart import methods, points
 from compare.chart.figure import by_scene, chart_figure, described, findings, judged_by, slope
 from compare.chart.methods import METHODS, find_problem, measured, run_point
-from compare.chart.points import Point, measure_all, read_points, reference_of
+from compare.chart.points import Point, measure_all, not_measured, read_points, reference_of
 from compare.output.tables import write_rows
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from slipfront.cli.commands import main
@@ -151,6 +151,23 @@ def test_an_interrupted_chart_goes_on_and_repeats_nothing(few, tmp_path):
     assert (len(few.calls), len(sentences)) == (12, 1)
     measure_all(tmp_path, problems[:1], fresh=True)
     assert len(few.calls) == 18
+
+
+def test_a_budget_leaves_out_finer_points_which_the_next_run_measures(few, tmp_path, monkeypatch):
+    few.runs, clock, problems = False, [0.0], [find_problem("antiplane")]
+
+    def now():
+        clock[0] += 1.0
+        return clock[0]
+
+    monkeypatch.setattr(points, "monotonic", now)
+    whole = [("antiplane", *task) for task in problems[0].tasks]
+    some = measure_all(tmp_path, problems, budget=3.0)
+    assert [one.key for one in some] == whole[:2]
+    assert not_measured(problems, some) == whole[2:]
+    again = measure_all(tmp_path, problems)
+    assert sorted(few.calls) == sorted(whole)
+    assert not_measured(problems, again) == []
 
 
 def test_points_of_other_machines_versions_and_scenes_are_measured_anew(

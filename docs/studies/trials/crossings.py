@@ -209,10 +209,11 @@ def filed(random: Generator) -> float:
         path, saved = Path(folder, "scene.toml"), Path(folder, "answer.h5")
         path.write_text(scene_text(scene), encoding="utf-8")
         answer.save(saved)
-        again = [solved(sf.find(path), **settings), sf.load(saved)]
-        again.append(pickle.loads(pickle.dumps(answer)))
-    same = all(point.scene == scene and differs(answer, point, 0.0) == 0 for point in again)
-    return 0.0 if same else math.inf
+        again, found = [sf.load(saved), pickle.loads(pickle.dumps(answer))], sf.find(path)
+        again.append(solved(found, **settings))
+    # a march of a contact that opens has a period, as a scene along a line
+    same = all(point.scene == answer.scene and differs(answer, point, 0.0) == 0 for point in again)
+    return 0.0 if same and found == scene else math.inf
 
 
 def _line(random: Generator) -> sf.Scene:

@@ -20,10 +20,12 @@ from compare.benchmarks.answers import (
     values_of,
 )
 from compare.benchmarks.pages import page_of
-from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheets, stored_text
+from compare.benchmarks.scores import score_files
+from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheet_names, sheets, stored_text
 from compare.records.record import QUANTITIES
 from docs.studies import benchmarks
 from semianalytic import DataFileError, Material, Scene, Tractions, find, solve
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
 
 SHEETS = sheets()
 INTERFACES = [name for name, sheet in SHEETS.items() if sheet.is_interface]
@@ -198,6 +200,27 @@ def test_a_page_says_problem_stations_units_errors_and_classes(name):
         said = f"p = {pressure / 1e6:g} MPa" if sheet.units == "SI" else f"p = {pressure:g}"
         assert said in sheet.statement
         assert f"T = {sheet.end_time:g}" in sheet.statement
+
+
+def test_every_named_scene_is_a_sheet():
+    assert set(sheet_names()) == {*NAMED_SCENES, *NAMED_LINES}
+    for name in set(sheet_names()) - set(SHEETS):
+        sheet = find_sheet(name)
+        assert sheet.problem == find(name)
+        assert max(sheet.stations) <= sheet.extent
+        assert not sheet.classes
+
+
+@pytest.mark.parametrize(
+    "name", ["growing-load", "incident-p", "punch", pytest.param("tpv103", marks=pytest.mark.slow)]
+)
+def test_a_sheet_without_classes_scores_its_own_answer(name, tmp_path):
+    sheet, path = find_sheet(name), tmp_path / "mine.csv"
+    path.write_text(table_of(sheet))
+    assert sheet.title in page_of(sheet)
+    for one in score_files([path]):
+        assert (one.grade, one.held) == ("", 1.0)
+        assert one.error < (0.02 if one.quantity == "arrival" else 1e-6)
 
 
 def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):

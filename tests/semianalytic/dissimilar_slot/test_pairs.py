@@ -342,3 +342,16 @@ def test_slip_rates_under_a_film_are_within_their_estimate_everywhere():
         answer.slip_rate(np.linspace(0.01, 0.99, 400) * zone.outer, 1.0) for answer in (rough, fine)
     )
     assert np.abs(rate - right).max() < rough.error_estimate * np.abs(right).max()
+
+
+def test_a_zone_far_slower_than_every_wave_moves_the_edges_beside_it():
+    """Left out at 3e-7 of the wave speed, it moved an edge at 1.4e-3 by 70 estimates."""
+    upper, lower = sf.Material(1.0, 1.0, 0.3176864), sf.Material(7.5967717, 1.4347317, 0.3371095)
+    law, load = sf.Coulomb(0.3125673, viscosity=0.1949442), sf.Tractions(0.7123768, -0.3376177)
+    scene = sf.Scene(upper, law, sf.Tractions(1.0, 0.0), load, lower_material=lower)
+    rough, fine = (sf.solve(scene, rtol=rtol) for rtol in (1e-5, 1e-8))
+    assert rough.status == "converged"
+    assert [zone.sense for zone in rough.zones] == [1, -1]
+    assert 0 < fine.edge_speeds[0, 1] < 1e-6
+    allowed = (rough.error_estimate + fine.error_estimate) * fine.edge_speeds
+    assert (np.abs(rough.edge_speeds - fine.edge_speeds) <= allowed).all()

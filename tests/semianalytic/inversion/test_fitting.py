@@ -237,6 +237,7 @@ def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
         ((), "at least one parameter"),
         (("friction", "friction"), "each one once"),
         (("youngs_modulus",), "parameters must be among"),
+        (np.zeros((2, 0)), "parameters must be among"),
         (("gain:left",), "belongs to no gauge"),
         (("viscosity",), "needs a scene with friction of a positive"),
     ],

@@ -99,8 +99,11 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path, refused):
     path = tmp_path / "scene.toml"
     assert main(["init"]) == 0
     path.write_text("mine")
-    assert "exists already" in refused("init")
+    (tmp_path / "link.toml").symlink_to("nowhere.toml")
+    for name in ("", "link.toml"):
+        assert "exists already" in refused(f"init {name}")
     assert path.read_text() == "mine"
+    assert not (tmp_path / "nowhere.toml").exists()
     assert main(["init", "--force", "--from", "tap"]) == 0
     assert find(str(path)) == find("tap")
 
