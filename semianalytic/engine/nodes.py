@@ -73,7 +73,7 @@ class ContactGrid:
 
 
 @dataclass(frozen=True)
-class Layout:
+class SlotLayout:
     """How a march beside a slot is laid out in time, which a continuation keeps.
 
     Attributes
@@ -101,7 +101,7 @@ class Layout:
 
 
 @dataclass(frozen=True, eq=False)
-class Checkpoint:
+class MarchCheckpoint:
     """Everything from which a march goes on, and what it was asked for.
 
     Attributes
@@ -120,7 +120,7 @@ class Checkpoint:
         Extremes until then.
     latest : float
         Time up to which the march may go on [time].
-    layout : Layout or None
+    layout : SlotLayout or None
         How a march beside a slot is laid out; None along a line.
     settings : dict
         Those of the `Stepper` of a line.
@@ -142,7 +142,7 @@ class Checkpoint:
     count: int
     seen: Extremes
     latest: float
-    layout: Layout | None = None
+    layout: SlotLayout | None = None
     settings: dict[str, float] = field(default_factory=dict)
     rtol: float | None = None
     order: float | None = None
@@ -237,7 +237,7 @@ def checked_entry(scene: Scene, latest: float, length: float, entry: float | Non
 
 def laid_out(
     scene: Scene, nodes: int, length: float, tolerance: float, companion: bool, **options: Any
-) -> list[tuple[ContactGrid, Layout]]:
+) -> list[tuple[ContactGrid, SlotLayout]]:
     """Return nodes and layout of a march on a number of contact nodes, and of its companion.
 
     The options are latest, step_ratio, damping and entry.
@@ -251,7 +251,7 @@ def laid_out(
     horizon = grid.line.wavenumbers[-1] * scene.material.shear_speed * passing
     kernel = fit_memory(impedance_of(scene), horizon, tolerance)
     begins = 0.0 - max(scene.front_slowness, 0.0) * entry
-    layout = Layout(kernel, begins=begins, **options)
+    layout = SlotLayout(kernel, begins=begins, **options)
     # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
     coarse = math.ceil(nodes / 2)
     coarser = causal_grid(scene, latest, 2 * grid.spacing * coarse, coarse, entry)

@@ -24,7 +24,7 @@ from semianalytic.engine.estimate import (
 from semianalytic.engine.loads import TOLERANCES
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.nodes import check_size, checked_entry, laid_out
-from semianalytic.engine.record import Record
+from semianalytic.engine.record import MarchRecord
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
@@ -71,7 +71,7 @@ class Asked:
     go_on: Marched | None
 
 
-class Plan(NamedTuple):
+class MarchPlan(NamedTuple):
     """How a scene is marched on a number of nodes, the first of which and the most are given.
 
     `march` takes the nodes, and a march on fewer of them that was tried before; it returns the
@@ -131,7 +131,7 @@ def check_going_on(scene: Scene, marched: Marched, asked: Asked, given: dict[str
 # --- beside a slot -----------------------------------------------------------------------------
 
 
-def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> Plan:
+def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> MarchPlan:
     """Return how a scene with a slot is marched, with settings that were given for slots.
 
     Raises
@@ -187,10 +187,10 @@ def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops)
     least = 1000 if rtol is None else 250
     check_size(scene, latest, length, nodes or least, memory, asked.estimate, entry)
     count = enough_nodes(scene, end_time, length, nodes, least, options)
-    return Plan(count, MOST_NODES, march, int, lambda marched: marched.error_estimate)
+    return MarchPlan(count, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
 
-def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> Plan:
+def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> MarchPlan:
     """Return how a march beside a slot is continued, without recomputing anything."""
     marched: Any = asked.go_on
     start = marched.checkpoint
@@ -202,7 +202,7 @@ def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -
         # no order: that was seen until the time that the march had reached, under its loads alone
         return advance(scene, parts, asked.end_time, start.every, earlier=marched, **options), None
 
-    return Plan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
+    return MarchPlan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
 
 def enough_nodes(
@@ -247,7 +247,7 @@ def enough_nodes(
 
 def along_line(
     scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops, interrupted: Stops
-) -> Plan:
+) -> MarchPlan:
     """Return how a scene on a line is marched, with settings that were given for lines.
 
     Marches on half the nodes end where `interrupted` says so.
@@ -296,7 +296,7 @@ def along_line(
 
         return estimated(done, half, asked.rtol, coarser)
 
-    return Plan(
+    return MarchPlan(
         count,
         most,
         march,
@@ -344,7 +344,7 @@ def _run(scene: Scene, nodes: int, asked: Asked, options: dict[str, Any], stops:
         begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
         begun = 0.0 if stepper.law.has_threshold else begun
         begun = begun if earlier is None else earlier.seen.slipping
-    record = Record(stepper, asked.every, options["frames"], options["times"], begun)
+    record = MarchRecord(stepper, asked.every, options["frames"], options["times"], begun)
     walk, stopped = Walk(stepper, record, end_time, latest, earlier), False
 
     def stopping(time: float) -> bool:
