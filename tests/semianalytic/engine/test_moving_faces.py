@@ -215,10 +215,10 @@ def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
 
 
 def test_what_is_not_known_is_refused():
-    march = marched("preloaded", 256, estimate=False)
+    known = marched("preloaded", 256, estimate=False)
     with pytest.raises(sf.SceneError, match=r"y = 0.01 is nearer .*; take 1000 nodes of the line"):
-        march.stress(0.1, [0.3, -0.01], 0.5)
-    assert np.isfinite(march.velocity(0.1, -0.0, 0.5)).all()
+        known.stress(0.1, [0.3, -0.01], 0.5)
+    assert np.isfinite(known.velocity(0.1, -0.0, 0.5)).all()
     slow = marched("rate-and-state", 128, end_time=30.0, estimate=False)
     with pytest.raises(sf.SceneError, match="are too many"):
         slow.velocity(0.1, 0.3, 20.0)
