@@ -136,10 +136,12 @@ def map_row(case: Case, name: str, unseen: Array) -> Row:
 
 
 def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
-    """Mask of where the first wave has passed, except for `FRONT` elements of the coarsest mesh
-    behind it, by which slip may begin too early on all meshes."""
+    """Mask of where the first wave has passed, except for the elements next to the edge and for
+    `FRONT` elements of the coarsest mesh behind the wave, by which slip may begin too early on all
+    meshes."""
     width = FRONT * case.runs[-1].element_size
-    return np.asarray(x <= (1 + ROUNDING) * case.fastest_speed * t - width)
+    behind = x <= (1 + ROUNDING) * case.fastest_speed * t - width
+    return np.asarray(behind & beyond_edge(x, case.simulation))
 
 
 def sense_rows(case: Case) -> Iterator[Row]:

@@ -30,6 +30,8 @@ from compare.comparison.case import companions_of
 from compare.comparison.comparing import compare
 from compare.comparison.interfaces.comparing import judge_interface
 from compare.comparison.judgement import Judgement, judge
+from compare.comparison.mesh_choice import Prices
+from compare.comparison.prediction import planned
 from compare.comparison.rows import AGREES, ALARM, DIFFERS, MOTION, UNRESOLVED
 from compare.comparison.rows import Row as JudgedRow
 from docs.studies.runner import JOURNALS, Point, Row, Study, grouped, main
@@ -37,7 +39,7 @@ from docs.studies.trials import wrong_answers as bad
 from docs.studies.trials.draws import KINDS, judged_interface, judged_scene
 from fem import Simulation, simulate, with_companions
 
-SEED = 20461204
+SEED = 20461205
 COUNTS: Mapping[str, int] = {
     **dict.fromkeys(("steps", "waves", "pairs", "viscous", "antiplane", "histories"), 30),
     **dict.fromkeys(("openings", "moving", "rate weakening"), 30),
@@ -46,6 +48,9 @@ COUNTS: Mapping[str, int] = {
     **{"opening": 4, "antiplane interface": 6},
 }
 """Scenes and interfaces of each kind: 300 and 60."""
+LONGEST = 60.0
+"""Announced time of comparisons [s] beyond which scenes are refused: that of an idle core of 2024,
+so that it is the same on all machines."""
 CATCHABLE, SURE, MOST, WIDER = 1.5, 2.5, 4.0, 1.1
 FOLDER = JOURNALS / "judge-runs"
 
@@ -86,7 +91,11 @@ def stored(kind: str, index: int) -> Stored:
     while True:
         try:
             if of_scene:
-                judgement = compare(judged_scene(kind, random))
+                scene = judged_scene(kind, random)
+                if announced(scene) > LONGEST:
+                    refused += 1
+                    continue
+                judgement = compare(scene)
             else:
                 given = judged_interface(kind.removesuffix(" interface"), random)
                 judgement = compare(given, 2.0)
@@ -100,6 +109,12 @@ def stored(kind: str, index: int) -> Stored:
     part.write_bytes(pickle.dumps((case.prediction, runs, refused)))
     part.rename(path)
     return Stored(case.prediction, runs, refused, judgement)
+
+
+def announced(scene: sf.Scene) -> float:
+    """Return how long a comparison of a scene takes [s], as `fem.Cost` counts it."""
+    prices, choice = Prices(scene, None), planned(scene, snapshots=False)[1]
+    return prices.at(choice.resolution)[0] + prices.comparing(choice.resolution)
 
 
 def right_row(kind: str, index: int) -> Row:
