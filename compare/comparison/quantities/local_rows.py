@@ -104,8 +104,7 @@ def _driven(case: Case, name: str) -> Array:
 
 def _beside_motion(case: Case) -> Mask:
     """Mask of the nodes and times, (m, n), in the bands around ends of slip or openings in the
-    prediction or on a coarser mesh, and around places where an end has stopped: tractions keep its
-    kink, of which no mesh shows more than it did then."""
+    prediction or on a coarser mesh, and where one stopped, whose kink tractions keep."""
     seen, changes = case.seen, np.zeros(case.seen.slip.shape, dtype=bool)
     motions = [_motion(case, case.at_nodes)]
     for run in case.runs[1:]:

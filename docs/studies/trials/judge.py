@@ -48,7 +48,7 @@ COUNTS: Mapping[str, int] = {
     **{"opening": 4, "antiplane interface": 6},
 }
 """Scenes and interfaces of each kind: 300 and 60."""
-LONGEST = 60.0
+LONGEST = 10.0
 """Announced time of comparisons [s] beyond which scenes are refused: that of an idle core of 2024,
 so that it is the same on all machines."""
 CATCHABLE, SURE, MOST, WIDER = 1.5, 2.5, 4.0, 1.1

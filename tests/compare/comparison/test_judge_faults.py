@@ -46,6 +46,15 @@ def test_coarser_runs_are_the_run_itself_until_parts_of_its_end(number, mistake)
     assert judge(solved(PRELOADED), wrong).verdict == "unresolved"
 
 
+def test_slip_in_a_zone_of_an_element_is_unresolved():
+    """A film lets 1.2 elements slip at the edge, where the nodes show one or two that do."""
+    film = Coulomb(1.3287399884232525, viscosity=0.6162430947288883)
+    load = Tractions(1.7374636772887428, 1.701065771981564)
+    judgement = judged(Scene(Material(1.0, 1.0, 1 / 3), film, Tractions(1.0, 0.0), load), 100)
+    assert judgement.verdict == "unresolved"
+    assert differing(judgement) == []
+
+
 @pytest.mark.slow
 def test_edges_of_a_gap_that_coarser_meshes_bridge_are_unresolved():
     judgement = judged(override_scene(PRELOADED, friction=0.25))

@@ -39,15 +39,8 @@ def judged():
 def test_different_bodies_agree(judged):
     assert judged.verdict == "agrees"
     rows = {row.kind: row for row in judged.rows}
-    assert set(rows) == {
-        "slip",
-        "slip rate",
-        "shear traction",
-        "pressure",
-        "zone edge",
-        "local",
-        "law",
-    }
+    fields = {"slip", "slip rate", "shear traction", "pressure"}
+    assert set(rows) == fields | {"zone edge", "local", "law"}
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
@@ -58,9 +51,9 @@ def test_different_bodies_agree(judged):
 @pytest.mark.parametrize("mistake", ["scaled", "late"])
 @pytest.mark.parametrize("number", [1, 2])
 def test_a_coarser_run_that_is_wrong_alone_leaves_all_unresolved(judged, number, mistake):
-    """Its changes are a factor or a delay of all slip, which is no error of a mesh."""
+    """A factor or a delay of all slip does not grow with the elements as errors of meshes do."""
     runs = list(judged.case.simulations)
-    runs[number] = RUNS[False][mistake](runs[number], 0.1)
+    runs[number] = RUNS[False][mistake](runs[number], 0.05)
     wrong = judge_interface(judged.prediction, runs)
     assert wrong.verdict != "agrees"
     assert any(row.obstacle == UNLIKE for row in wrong.rows)
