@@ -135,12 +135,10 @@ def map_row(case: Case, name: str, unseen: Array) -> Row:
 
 
 def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
-    """Mask of where the first wave has passed, except for the elements next to the edge and for
-    `FRONT` elements of the coarsest mesh behind the wave, by which slip may begin too early on all
-    meshes."""
+    """Mask of where the first wave has passed, except for `FRONT` elements of the coarsest mesh
+    behind it, by which slip may begin too early on all meshes."""
     width = FRONT * case.runs[-1].element_size
-    behind = x <= (1 + ROUNDING) * case.fastest_speed * t - width
-    return np.asarray(behind & beyond_edge(x, case.simulation))
+    return np.asarray(x <= (1 + ROUNDING) * case.fastest_speed * t - width)
 
 
 def sense_rows(case: Case) -> Iterator[Row]:
@@ -150,8 +148,10 @@ def sense_rows(case: Case) -> Iterator[Row]:
     area = float(reached.sum())
     edges = max(float((beside_edges(sense) & reached).sum()) for sense in (predicted, simulated))
     floor = SENSE_FLOOR * edges / area + 1 / area
-    opening = too_narrow(case.at_nodes.gap > 0)
-    unseen = float(((case.narrow | case.narrow_gaps | opening) & reached).sum()) / area
+    narrow = case.narrow | case.narrow_gaps | too_narrow(case.at_nodes.gap > 0)
+    for sense in (1, -1):  # the mesh shows such a zone with any width of so few nodes
+        narrow |= too_narrow(simulated == sense)
+    unseen = float((narrow & reached).sum()) / area
     for name, sense in (("forward slip", 1), ("reverse slip", -1), ("open", APART)):
         row = value_row(
             case,

@@ -49,8 +49,7 @@ COUNTS: Mapping[str, int] = {
 }
 """Scenes and interfaces of each kind: 300 and 60."""
 LONGEST = 10.0
-"""Announced time of comparisons [s] beyond which scenes are refused: that of an idle core of 2024,
-so that it is the same on all machines."""
+"""Longest announced time of a comparison [s], as `fem.Cost` counts it on all machines alike."""
 CATCHABLE, SURE, MOST, WIDER = 1.5, 2.5, 4.0, 1.1
 FOLDER = JOURNALS / "judge-runs"
 
@@ -91,11 +90,7 @@ def stored(kind: str, index: int) -> Stored:
     while True:
         try:
             if of_scene:
-                scene = judged_scene(kind, random)
-                if announced(scene) > LONGEST:
-                    refused += 1
-                    continue
-                judgement = compare(scene)
+                judgement = compare(short(judged_scene(kind, random)))
             else:
                 given = judged_interface(kind.removesuffix(" interface"), random)
                 judgement = compare(given, 2.0)
@@ -111,10 +106,12 @@ def stored(kind: str, index: int) -> Stored:
     return Stored(case.prediction, runs, refused, judgement)
 
 
-def announced(scene: sf.Scene) -> float:
-    """Return how long a comparison of a scene takes [s], as `fem.Cost` counts it."""
-    prices, choice = Prices(scene, None), planned(scene, snapshots=False)[1]
-    return prices.at(choice.resolution)[0] + prices.comparing(choice.resolution)
+def short(scene: sf.Scene) -> sf.Scene:
+    """Return a scene; SceneError if its comparison is announced to take longer than `LONGEST`."""
+    prices, size = Prices(scene, None), planned(scene, snapshots=False)[1].resolution
+    if prices.at(size)[0] + prices.comparing(size) > LONGEST:
+        raise sf.SceneError("Its comparison takes too long for a trial.")
+    return scene
 
 
 def right_row(kind: str, index: int) -> Row:
@@ -173,8 +170,8 @@ def upper_limit(count: int, trials: int) -> float:
 def wrong_rows(kind: str, index: int) -> list[Row]:
     """Judge what is made wrong of a case whose right answer agrees.
 
-    Sizes are in bars of the right judgement, of a coarser run also in its own, 2 and 4 times as
-    long; they are drawn evenly from the catchable ones, and from those beyond.
+    Sizes in bars of the right judgement are drawn evenly from the catchable ones, and from those
+    beyond.
     """
     case, random = stored(kind, index), np.random.default_rng([SEED, index])
     truth = case.judged()
@@ -197,14 +194,12 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
         if not effect:
             continue
         for number, place in enumerate(("h", "2h", "4h")):
-            for own in {1, 2**number}:
-                for low, high in ((CATCHABLE, SURE), (SURE, MOST)):
-                    target = float(random.uniform(low, high))
-                    share = float(random.choice([-1, 1])) * size * own * target / effect
-                    runs = list(case.simulations)
-                    runs[number] = makes[number][mistake](runs[number], share)
-                    where = f"{place}, own bars" if own > 1 else place
-                    row(mistake, where, target, _caught(case, runs))
+            for low, high in ((CATCHABLE, SURE), (SURE, MOST)):
+                target = float(random.uniform(low, high))
+                share = float(random.choice([-1, 1])) * size * target / effect
+                runs = list(case.simulations)
+                runs[number] = makes[number][mistake](runs[number], share)
+                row(mistake, place, target, _caught(case, runs))
     run, coarser = case.simulations[0], case.simulations[1:]
     for mistake in random.permutation(np.array(bad.MISTAKES))[:6].tolist() if case.is_scene else ():
         other = bad.spoilt(mistake, case.prediction, run.time_step)
