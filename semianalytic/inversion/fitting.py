@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any
@@ -132,7 +133,7 @@ def fit(
     trials.followed = None  # nor do they depend on what came before
     if status == "converged" and off > 1.0:  # values are off by up to a standard error
         status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
-    return Fit(
+    fit = Fit(
         parameters=names,
         values=best.scaled * size,
         # Unknowns of the search are over their sizes; covariances go like the square.
@@ -151,6 +152,8 @@ def fit(
         solutions=trials.count,
         trials=trials,
     )
+    logging.getLogger(__name__).info("%d solutions: %r", trials.count, fit)
+    return fit
 
 
 def _trials(
