@@ -186,10 +186,10 @@ class LineTrials(Trials):
         scene: Any = self.at(scaled)[0]
         return recorded(scene, scene.run.get("nodes", NODES), estimate=True)
 
-    def coarser(self, solution: Any) -> Any:
-        """Return the run on half the nodes; None of one that was interrupted."""
-        run = solution.run
-        return None if run.companion is None else RecordedRun(solution.scene, run.coarser)
+    def finer(self, solution: Any) -> Any:
+        """Return the run on twice the nodes."""
+        scene = solution.scene
+        return recorded(scene, 2 * scene.run.get("nodes", NODES), estimate=False)
 
     def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
         """Return slip and shear traction of the nodes nearest to x (k,) in all frames, (m, k)."""

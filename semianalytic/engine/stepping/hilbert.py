@@ -6,6 +6,9 @@ H f(t) = (1/pi) PV int f(s) / (t - s) ds is not 0 before the history begins.
 
 from __future__ import annotations
 
+from math import factorial
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,11 +65,24 @@ def _mean(order: int, start: Array, end: Array) -> Array:
     return np.where(alone, _integral(order, end), mean)
 
 
-def _integral(order: int, t: Array) -> Array:
-    """Return ln |t|, integrated so often from 0."""
+def analytic(history: LoadHistory, t: NDArray[np.complex128], order: int) -> Any:
+    """Return f + i H f at complex times on or above the real axis, integrated so often, t's shape.
+
+    It is the history of waves that decay: exp(-i w t) for w < 0, which falls off with Im t.
+    """
+    pieces, total = history.pieces, np.zeros(t.shape, dtype=complex)
+    for count, steps in ((order, pieces.jumps), (order + 1, pieces.kinks)):
+        for at, size in steps:
+            since = t - at
+            total += size * (since**count / factorial(count) + 1j / np.pi * _integral(count, since))
+    return total
+
+
+def _integral(order: int, t: Any) -> Any:
+    """Return ln |t|, or ln t of complex t, integrated so often from 0."""
     with np.errstate(divide="ignore"):
-        log = np.log(np.abs(t))
+        log = np.log(t if np.iscomplexobj(t) else np.abs(t))
     if order == 0:
         return log
-    log = np.where(t == 0, 0.0, log)
-    return t * log - t if order == 1 else t**2 / 2 * log - 0.75 * t**2
+    size, harmonic = t**order / factorial(order), sum(1 / k for k in range(1, order + 1))
+    return size * np.where(t == 0, 0.0, log) - harmonic * size

@@ -9,6 +9,7 @@ from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.hilbert import comes_back, transformed
+from semianalytic.field.plane_wave import plane_wave
 from tests.semianalytic.engine.runs import one_run
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
@@ -125,6 +126,41 @@ def test_identical_bodies_reflect_nothing(wave):
     wanted = wave.tractions(SOFT)
     assert pressure == pytest.approx(wanted.pressure, abs=1e-13)
     assert shear == pytest.approx(wanted.shear, abs=1e-13)
+
+
+@pytest.mark.parametrize("wave", WAVES, ids=name)
+def test_waves_of_bonded_bodies_are_continuous_and_obey_hooke(wave):
+    """Stress since t = 0 is that of the displacement; like bodies have the incident wave alone."""
+    x, t = np.random.default_rng(0).uniform((-1, 0), (1, 1.5), (20, 2)).T
+    pulse, step = sf.Pulse(0.6, "triangle"), 1e-6
+
+    def field(quantity, y, right=0.0, later=0.0, bodies=(HARD, SOFT)):
+        at = x + right, np.full_like(x, y), t + later
+        return plane_wave(wave, bodies, quantity, at, pulse)
+
+    assert field("velocity", 1e-12) == pytest.approx(field("velocity", -1e-12), abs=1e-8)
+    faces = [field("stress", y)[1:] for y in (1e-12, -1e-12)]
+    assert faces[0] == pytest.approx(faces[1], abs=1e-8)
+    for body, y in ((HARD, 0.3), (SOFT, -0.3)):
+        rate, along, across = (
+            (field("displacement", y + up, *by) - field("displacement", y - up, *back)) / (2 * step)
+            for up, by, back in (
+                (0, (0, step), (0, -step)),
+                (0, (step, 0), (-step, 0)),
+                (step, (0, 0), (0, 0)),
+            )
+        )
+        assert rate == pytest.approx(field("velocity", y), abs=1e-8)
+        modulus = body.density * body.longitudinal_speed**2
+        spread = (modulus - 2 * body.shear_modulus) * (along[0] + across[1])
+        normal = [spread + 2 * body.shear_modulus * part for part in (along[0], across[1])]
+        shear = body.shear_modulus * (along[1] + across[0])
+        # displacement counts from t = 0 where waves run ahead of the front
+        late = t * (abs(bonded_tractions(wave, HARD, SOFT)[0].imag) > 1e-9)
+        since = field("stress", y) - (late > 0) * field("stress", y, later=-t)
+        assert np.array([*normal, shear]) == pytest.approx(since[:3], abs=1e-7)
+    alone = plane_wave(wave, (SOFT,), "stress", (x, np.full_like(x, 0.3), t), pulse)
+    assert field("stress", 0.3, bodies=(SOFT, SOFT)) == pytest.approx(alone, abs=1e-12)
 
 
 def test_the_transform_of_a_history_is_its_hilbert_transform():
