@@ -121,14 +121,6 @@ def test_bonded_tractions_close_the_jump_that_free_faces_would_have(wave):
 
 
 @pytest.mark.parametrize("wave", WAVES, ids=name)
-def test_identical_bodies_reflect_nothing(wave):
-    pressure, shear = bonded_tractions(wave, SOFT, SOFT)
-    wanted = wave.tractions(SOFT)
-    assert pressure == pytest.approx(wanted.pressure, abs=1e-13)
-    assert shear == pytest.approx(wanted.shear, abs=1e-13)
-
-
-@pytest.mark.parametrize("wave", WAVES, ids=name)
 def test_waves_of_bonded_bodies_are_continuous_and_obey_hooke(wave):
     """Stress since t = 0 is that of the displacement; like bodies have the incident wave alone."""
     x, t = np.random.default_rng(0).uniform((-1, 0), (1, 1.5), (20, 2)).T
