@@ -6,6 +6,7 @@ import math
 import shutil
 import tempfile
 import time
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 from functools import cache
 from os import PathLike
@@ -221,11 +222,11 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
         steps = math.ceil(cost.steps * resolution / settings.resolution)
         return _cost(other, steps, every, checkpoints).memory
 
-    low, high = LEAST_RESOLUTION - 1, settings.resolution
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if memory(middle, settings.every) <= allowed else (low, middle)
-    advice = [f"lower `resolution` to {low}"] if low >= LEAST_RESOLUTION else []
+    sizes = range(settings.resolution)
+    too_large = bisect_right(
+        sizes, allowed, LEAST_RESOLUTION, key=lambda n: memory(n, settings.every)
+    )
+    advice = [f"lower `resolution` to {too_large - 1}"] if too_large > LEAST_RESOLUTION else []
     if memory(settings.resolution, cost.steps) <= allowed:
         every = settings.every
         while memory(settings.resolution, every) > allowed:

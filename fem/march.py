@@ -191,7 +191,7 @@ class March:
             body.kick()
         if not math.isfinite(sum(body.energy.kinetic for body in self.bodies)):
             raise ComputationError(
-                f"the simulation lost its finite values at step {level}; "
+                f"the simulation has values that are not finite at step {level}; "
                 "lower `step_ratio`, or give loads and moduli of ordinary size."
             )
         if self.walls is not None:

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import product
-from os import PathLike
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +15,9 @@ from fem.elements.assembly import IN_PLANE, Space, X, Y, Z, tributary_length
 from fem.interface import FaceMotion, Joint
 from fem.loading import SceneTractions
 from fem.march import March, Walls, body_matrix, face_pair, half_window, unknowns_of
-from fem.plan import TWO_MATERIALS, Plan, make_plan
-from fem.settings import Settings
+from fem.plan import TWO_MATERIALS, Plan
 from fem.stepping import MarchedBody, critical_step, highest_frequency
 from meshes import mesh_of
-from semianalytic.scene.scene import Scene
 
 LAYER = 4
 """Elements in a layer of nodes whose unknowns begin to move together."""
@@ -79,9 +75,9 @@ class Model(March):
 
     Examples
     --------
-    >>> from fem.model import prepare
-    >>> from semianalytic import find
-    >>> model = prepare(find("preloaded"), resolution=8)
+    >>> from fem.model import build
+    >>> from fem.plan import make_plan
+    >>> model = build(make_plan("preloaded", None, None, {"resolution": 8}))
     >>> model.unknowns, model.copies, bool(model.time_step < model.critical_step)
     (1380, 2, True)
     """
@@ -109,41 +105,6 @@ class Model(March):
     def lower(self) -> list[MarchedBody]:
         """Bodies of the lower block likewise; none where it moves oppositely."""
         return self.bodies[len(self.plan.bodies) :]
-
-
-def prepare(
-    scene: Scene | str | PathLike[str],
-    end_time: float | None = None,
-    settings: Settings | None = None,
-    *,
-    full: bool = False,
-    **options: Any,
-) -> Model:
-    """Build everything that `simulate` needs before its first step.
-
-    Parameters
-    ----------
-    scene, end_time, settings, **options
-        Arguments of `simulate`.
-    full : bool
-        Whether the mesh is to be large enough for pictures of the whole fields.
-
-    Returns
-    -------
-    Model
-
-    Raises
-    ------
-    SceneError, MissingLibraryError, DataFileError
-        For the reasons given at `simulate`; nothing is refused for its size.
-
-    Examples
-    --------
-    >>> from fem.model import prepare
-    >>> prepare("antiplane", resolution=8).plan.name
-    'antiplane half'
-    """
-    return build(make_plan(scene, end_time, settings, options, full=full))
 
 
 def build(plan: Plan) -> Model:

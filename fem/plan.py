@@ -92,8 +92,8 @@ class Plan:
         _check_front(self.scene, self.end_time)
         if self.name == TWO_MATERIALS and isinstance(self.scene.load, IncidentWave):
             raise SceneError(
-                "simulate: blocks of different materials reflect an incident wave before it comes "
-                "to the slot; leave out lower_material, or load the slot."
+                "simulate: blocks of different materials reflect an incident wave before it "
+                "reaches the slot; leave out lower_material, or load the slot."
             )
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
@@ -186,7 +186,7 @@ class Plan:
 
     @property
     def caution(self) -> str:
-        """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
+        """Sentences on what the mesh is too coarse for; "" if nothing is known."""
         return mesh_caution(self.scene, self.end_time, self.settings.resolution)
 
     @cached_property
@@ -248,7 +248,7 @@ def make_plan(
     *,
     full: bool = False,
 ) -> Plan:
-    """Make the plan of a run from the arguments of `simulate`, `prepare` and `cost`.
+    """Make the plan of a run from the arguments of `simulate` and `cost`.
 
     Options are fields of `Settings`, in place of those of `settings`; `full` observes whole fields.
 

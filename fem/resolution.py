@@ -9,6 +9,7 @@ spreads it and lowers its peak, to which friction responds.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import replace
 
 from semianalytic.scene.contact import process_zone
@@ -53,11 +54,9 @@ def needed_resolution(history: LoadHistory, crossing: float, end_time: float) ->
         low, high = high, 4 * high
         if high > MOST:
             return None
-    while high - low > 1:
-        middle = (low + high) // 2
-        follows = resolves(history, crossing / middle, end_time)
-        low, high = (low, middle) if follows else (middle, high)
-    return high
+    return bisect_left(
+        range(high), True, low, key=lambda count: resolves(history, crossing / count, end_time)
+    )
 
 
 def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
@@ -73,7 +72,7 @@ def check_resolved(scene: Scene, end_time: float, resolution: int) -> None:
         needed = needed_resolution(history, crossing, end_time)
         if needed is None:
             raise SceneError(
-                f"simulate: the {name} history turns back within no time at all; smooth it, or "
+                f"simulate: the {name} history reverses instantaneously; smooth it, or "
                 "take out samples that lie close together (docs/limits.md)."
             )
         raise SceneError(

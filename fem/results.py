@@ -17,7 +17,7 @@ from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units, checking
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import SI, unit
+from semianalytic.scene.units import with_unit
 
 FORMAT = "slipfront simulation 13"
 FILE_NAME = "simulation.h5"
@@ -260,7 +260,7 @@ class Simulation(SampledAnswer):
 
     @property
     def caution(self) -> str:
-        """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
+        """Sentences on what the mesh is too coarse for; "" if nothing is known."""
         return mesh_caution(self.scene, self.end_time, self.resolution)
 
     @property
@@ -352,14 +352,11 @@ def opening_sentence(simulation: Simulation) -> str:
     opened = simulation.opened
     if opened is None:
         return "the contact stayed closed"
-    lengths, times = (
-        unit(dimension, SI) if simulation.scene.units == SI else ""
-        for dimension in ("length", "time")
-    )
+    units = simulation.scene.units
     x, gap, length = (
-        f"{value:.4g} {lengths}".strip() for value in (opened.x, opened.gap, opened.length)
+        with_unit(value, "length", units) for value in (opened.x, opened.gap, opened.length)
     )
-    time = f"{opened.time:.4g} {times}".strip()
+    time = with_unit(opened.time, "time", units)
     return (
         f"the contact opened, first at x = {x} at t = {time}, by up to {gap} and over a length of "
         f"up to {length}"

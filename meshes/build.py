@@ -24,18 +24,6 @@ LAST_LINE = b"$EndElements\n"
 """Last line of a mesh file that gmsh could write to its end."""
 
 
-def build_mesh(blocks: Blocks, path: str | Path) -> None:
-    """Fill the blocks with triangles and write them as binary MSH 4.1, completely or not at all.
-
-    Raises
-    ------
-    MissingLibraryError, DataFileError
-        If gmsh cannot be loaded, or the file cannot be written.
-    """
-    with new_mesh_file(blocks, path) as part:
-        write_mesh(blocks, part)
-
-
 def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:
     """Open a sealed file for the mesh of blocks, like `semianalytic.results.files.new_file`."""
     size = 32 * blocks.nodes + 40 * blocks.elements  # about [bytes]
@@ -70,7 +58,7 @@ def write_mesh(blocks: Blocks, part: Path) -> None:
 
 
 def _add_block(gmsh: Any, blocks: Blocks) -> None:
-    """Add the rectangle with its named sides."""
+    """Add the rectangle with sides of whole elements."""
     geo, far = gmsh.model.geo, blocks.far
     left, right = -blocks.left * blocks.size, blocks.right * blocks.size
     corners = ((left, 0), (0, 0), (right, 0), (right, far), (left, far))
@@ -81,10 +69,7 @@ def _add_block(gmsh: Any, blocks: Blocks) -> None:
     for curve, elements in zip(curves, blocks.sides.values(), strict=True):
         geo.mesh.setTransfiniteCurve(curve, elements + 1)
     geo.synchronize()
-
-    for curve, name in zip(curves, blocks.sides, strict=True):
-        gmsh.model.addPhysicalGroup(1, [curve], name=name)
-    gmsh.model.addPhysicalGroup(2, [surface], name="block")
+    gmsh.model.addPhysicalGroup(2, [surface], name="block")  # of which elements are written
 
 
 @contextmanager

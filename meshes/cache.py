@@ -21,7 +21,7 @@ from semianalytic.scene.errors import DataFileError
 
 _log = logging.getLogger(__name__)
 
-FORMAT = "slipfront blocks 3"
+FORMAT = "slipfront blocks 4"
 
 
 def cache_directory() -> Path:

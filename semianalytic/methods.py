@@ -35,7 +35,7 @@ METHODS = (
     Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
     Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
     Method("space-time", "Scene", "engine.march", "a slot: any history, slip weakening"),
-    Method("space-time", "Scene on a line", "engine.run", "contacts, fields and laws along x"),
+    Method("space-time", "Scene on a line", "engine.march", "contacts, fields and laws along x"),
 )
 """The methods in the order in which they are asked; those of installed packages come last."""
 _OWN = list(dict.fromkeys(row.name for row in METHODS))
@@ -72,22 +72,33 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     """
     problem = find(problem) if isinstance(problem, str | PathLike) else problem
     name, solver = chosen(problem, method)
-    known = [*inspect.signature(solver.solve).parameters.values()][1:]
     own = dict(getattr(problem, "run", {}))  # settings of a march, which exact answers pass over
     if "go_on" in settings:
         own.pop("nodes", None)  # which are those of the march that goes on
-    names = {parameter.name for parameter in known}
+    names = settings_of(solver, problem)
     settings = {name: value for name, value in own.items() if name in names} | settings
-    unknown = sorted(settings.keys() - names)
-    if unknown and all(parameter.kind is not parameter.VAR_KEYWORD for parameter in known):
-        takes = ", ".join(parameter.name for parameter in known) or "none"
-        what = f"{name} for a {type(problem).__name__}"
+    unknown = sorted(settings.keys() - {*names})
+    if unknown and "**" not in names:
+        takes = ", ".join(names) or "none"
+        kind = type(problem).__name__
+        what = f"{name} for a {'scene on a line' if getattr(problem, 'on_line', '') else kind}"
         raise SceneError(f"solve: {unknown[0]} is no setting of {what}, which takes {takes}.")
     answer = solver.solve(problem, **settings)
     if getattr(answer, "method", "") == _OWN[0]:  # which is saved as its question
         object.__setattr__(answer, "settings", settings)
     logging.getLogger(__name__).info("a %s by %s: %r", type(problem).__name__, name, answer)
     return answer
+
+
+def settings_of(solver: Any, problem: object) -> list[str]:
+    """Return the settings that the module of a method takes for a problem, by name.
+
+    A method that takes any others has "**" among them.
+    """
+    if hasattr(solver, "settings_of"):
+        return list(solver.settings_of(problem))
+    known = [*inspect.signature(solver.solve).parameters.values()][1:]
+    return ["**" if one.kind is one.VAR_KEYWORD else one.name for one in known]
 
 
 class Chosen(NamedTuple):  # the method that answers a problem, and its module

@@ -23,7 +23,7 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
     path : str or path
         File that `save` wrote, or the folder of a simulation.
     scene : Scene, optional
-        The scene of a march that has functions of Python, which no file can hold.
+        The scene of a march that has functions of Python, which no file can contain.
 
     Returns
     -------

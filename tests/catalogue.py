@@ -236,4 +236,4 @@ def over(*tags: str, without: str = "") -> Callable[..., Any]:
     """Run a test, which takes `problem`, on all problems with these tags."""
     chosen = problems(*tags, without=without)
     assert chosen, f"no problem is {tags} without {without}"
-    return pytest.mark.parametrize("problem", chosen, ids=[one.name for one in chosen])
+    return pytest.mark.parametrize("problem", chosen, ids=[scene.name for scene in chosen])

@@ -57,15 +57,15 @@ def seen(colours, vision):
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=1)
 
 
-def least_difference(one, other):
+def least_difference(first, other):
     """How far two colours are apart for whom they are least."""
-    pairs = (seen([one, other], vision) for vision in VISIONS)
+    pairs = (seen([first, other], vision) for vision in VISIONS)
     return min(float(np.linalg.norm(a - b)) for a, b in pairs)
 
 
-def contrast(one, other):
+def contrast(first, other):
     """From 1 to 21."""
-    dark, light = sorted(linear([one, other]) @ _XYZ[1])
+    dark, light = sorted(linear([first, other]) @ _XYZ[1])
     return float((light + 0.05) / (dark + 0.05))
 
 

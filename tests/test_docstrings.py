@@ -21,7 +21,7 @@ DESCRIBED = {
 }
 LONGEST = "PairDerivative"
 """Its example takes more than half of the time of all that the default run takes."""
-WITH_EXAMPLES = [name for name, one in DESCRIBED.items() if ">>>" in (one.__doc__ or "")]
+WITH_EXAMPLES = [name for name, member in DESCRIBED.items() if ">>>" in (member.__doc__ or "")]
 
 ROOT = Path(__file__).parents[1]
 CITED = re.compile(r'docs/(\w+)\.md, "([^"]+)"')
@@ -43,16 +43,16 @@ def first_sentence(docstring: str) -> str:
 
 
 def test_docstrings_begin_with_a_sentence() -> None:
-    begun = {name: first_sentence(one.__doc__) for name, one in DESCRIBED.items()}
+    begun = {name: first_sentence(member.__doc__) for name, member in DESCRIBED.items()}
     assert len(begun) > 50
-    assert {name: one for name, one in begun.items() if not re.match(r"[A-Z].*\.$", one)} == {}
+    assert {name: item for name, item in begun.items() if not re.match(r"[A-Z].*\.$", item)} == {}
 
 
 def test_public_names_have_examples() -> None:
     errors = {
         name
-        for name, one in DESCRIBED.items()
-        if inspect.isclass(one) and issubclass(one, Exception)
+        for name, member in DESCRIBED.items()
+        if inspect.isclass(member) and issubclass(member, Exception)
     }
     assert set(DESCRIBED) - set(WITH_EXAMPLES) - errors == set()
 
@@ -68,7 +68,7 @@ def pairs_solved_once() -> Iterator[None]:
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=[pytest.mark.slow] * (one == LONGEST)) for one in WITH_EXAMPLES],
+    [pytest.param(entry, marks=[pytest.mark.slow] * (entry == LONGEST)) for entry in WITH_EXAMPLES],
 )
 def test_examples_run(name: str) -> None:
     described = DESCRIBED[name]
@@ -91,4 +91,4 @@ def test_cited_sections_exist() -> None:
         for _, page, _ in cited
     }
     assert len(cited) > 5
-    assert {one for one in cited if one[2] not in headings[one[1]]} == set()
+    assert {page for page in cited if page[2] not in headings[page[1]]} == set()

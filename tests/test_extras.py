@@ -109,7 +109,7 @@ def told_without(lines, folder):
 @cache
 def refusals(*lacking):
     """What the commands of `REFUSED` tell in one process in which those are missing in turn."""
-    lines = [(one, line) for one in lacking for missing, line, _ in REFUSED if missing == one]
+    lines = [(extra, line) for extra in lacking for missing, line, _ in REFUSED if missing == extra]
     with TemporaryDirectory() as folder:
         return told_without(lines, Path(folder))
 
@@ -124,7 +124,7 @@ def test_solver_and_help_need_no_extra(tmp_path):
 
 @pytest.mark.parametrize(
     ("blocked", "line", "extras"),
-    [pytest.param(*one, marks=[pytest.mark.slow] * (one[0] == MOST)) for one in REFUSED],
+    [pytest.param(*case, marks=[pytest.mark.slow] * (case[0] == MOST)) for case in REFUSED],
 )
 def test_missing_extra_is_one_sentence(blocked, line, extras):
     # where nothing is there nothing is imported, so that another lack may follow
@@ -200,7 +200,7 @@ def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
     assert sorted(public) == sorted([name for source in SOURCES for name in source.__all__])
     assert len(set(public)) == len(public)
     for name in public:
-        source = next(one for one in SOURCES if name in one.__all__)
+        source = next(source for source in SOURCES if name in source.__all__)
         assert getattr(slipfront, name) is getattr(source, name)
     assert slipfront.__version__ == version("slipfront")
     assert slipfront.regimes is semianalytic.regimes

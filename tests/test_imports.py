@@ -173,7 +173,7 @@ def imports_between_files(package, root=ROOT):
     return graph
 
 
-SPLIT = {f"semianalytic.scene.{one}": "semianalytic.scene" for one in ("laws", "line", "tables")}
+SPLIT = {f"semianalytic.scene.{word}": "semianalytic.scene" for word in ("laws", "line", "tables")}
 """Folders that hold a part of the trade of their parent, too many files for one folder: scenes hold
 laws and fields, which take checks, units and tables from beside the scene."""
 
@@ -183,12 +183,12 @@ def imports_between_folders(package, root=ROOT):
     files = imports_between_files(package, root)
     faces = {module_name(path, root) for path in (root / package).rglob("__init__.py")}
     folder = {name: name if name in faces else name.rpartition(".")[0] for name in files}
-    folder = {name: SPLIT.get(one, one) for name, one in folder.items()}
+    folder = {name: SPLIT.get(entry, entry) for name, entry in folder.items()}
     graph = {}
     for name, taken in files.items():
         # The face of a folder shows what is inside, in deeper folders too.
         if name not in faces:
-            graph.setdefault(folder[name], set()).update(folder[one] for one in taken)
+            graph.setdefault(folder[name], set()).update(folder[entry] for entry in taken)
     return {name: taken - {name} for name, taken in graph.items()}
 
 
@@ -373,7 +373,7 @@ LATER = (
 )
 def test_what_a_plain_solution_does_without_is_loaded_when_it_is_used(use, loaded):
     modules = loaded_with(use)[-1]
-    assert [one for one in LATER if f"semianalytic.{one}" in modules] == list(loaded)
+    assert [package for package in LATER if f"semianalytic.{package}" in modules] == list(loaded)
 
 
 def test_zones_are_found_without_scipy():

@@ -18,16 +18,19 @@ COLOURED = re.compile("\x1b\\[[0-9;]*3[0-9]")
 def test_each_package_has_a_logger_that_is_silent(name):
     import_module(name)
     handlers = logging.getLogger(name).handlers
-    assert any(isinstance(one, logging.NullHandler) for one in handlers)
+    assert any(isinstance(handler, logging.NullHandler) for handler in handlers)
 
 
 def test_a_program_hears_what_it_asks_for(caplog):
     with caplog.at_level(logging.DEBUG, logger="semianalytic"):
         sf.solve(sf.find("preloaded"))
-    assert any(one.message.startswith("solve: converged, error estimate") for one in caplog.records)
+    assert any(row.message.startswith("solve: converged, error estimate") for row in caplog.records)
     said = caplog.records[-1]
     assert said.levelno == logging.INFO
     assert said.message.startswith("a Scene by self-similar: <Solution: slip at")
+    with caplog.at_level(logging.INFO, logger="semianalytic"):
+        sf.sweep(sf.find("preloaded"), [0.2, 0.3])
+    assert caplog.records[-1].message.startswith("<Sweep: 2 friction coefficients")
 
 
 def test_a_level_on_the_command_line_prints_messages_once(shown, refused):

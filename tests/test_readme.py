@@ -45,7 +45,7 @@ def said_by(code):
 def said_by_ten_lines(page, words):
     """What the example prints, and its names, in which these words stand on a page."""
     text = (ROOT / "docs" / page).read_text()
-    (code,) = [one for one in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if words in one]
+    (code,) = [hit for hit in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if words in hit]
     assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
     return said_by(code)
 
@@ -159,7 +159,7 @@ def test_every_recipe_installs_the_libraries_of_the_one_list():
 
 
 @pytest.mark.parametrize(
-    "path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda one: one.name
+    "path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda case: case.name
 )
 def test_what_the_forge_reads_is_valid(path):
     """YAML, and no command or file that is not there."""

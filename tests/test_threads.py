@@ -69,24 +69,24 @@ def questions(answer: Any) -> Iterator[tuple[str, Question]]:
         if name in IN_BODIES and not getattr(answer, "has_bodies", True):
             continue
         if isinstance(member, property | cached_property):
-            yield name, lambda one, name=name: getattr(one, name)
+            yield name, lambda answer, name=name: getattr(answer, name)
         elif inspect.isfunction(member):
             for step in (1, 3):
                 given = arguments(name, member, step)
-                yield f"{name}/{step}", lambda one, name=name, g=given: getattr(one, name)(**g)
+                yield f"{name}/{step}", lambda entry, name=name, g=given: getattr(entry, name)(**g)
 
 
 def arguments(name: str, method: Any, step: int) -> dict[str, Any]:
-    taken = [one for one in inspect.signature(method).parameters if one != "self"]
+    taken = [parameter for parameter in inspect.signature(method).parameters if parameter != "self"]
     given = {**ARGUMENTS, **{**RANKED, **SLOT, **FITTED}.get(name, {})}
     return {
-        one: given[one][::step] if isinstance(given[one], np.ndarray) else given[one]
-        for one in taken
+        entry: given[entry][::step] if isinstance(given[entry], np.ndarray) else given[entry]
+        for entry in taken
     }
 
 
 def asked_by_one(answer: Any, asked: dict[str, Question]) -> dict[str, Any]:
-    return {name: identity_of(one(answer)) for name, one in asked.items()}
+    return {name: identity_of(entry(answer)) for name, entry in asked.items()}
 
 
 def asked_by_threads(answer: Any, asked: dict[str, Question]) -> list[dict[str, Any]]:
@@ -166,7 +166,7 @@ def test_threads_hear_of_a_march_what_one_hears():
         return solve(find_scene("ramp"), method="space-time", end_time=1.0, nodes=32, length=2.0)
 
     asked = dict(questions(make()))
-    asked["error_of"] = lambda one: one.error_of(lambda each: each.slip(0.3, 0.8))
+    asked["error_of"] = lambda march: march.error_of(lambda each: each.slip(0.3, 0.8))
     assert differing(make, asked) == set()
 
 
@@ -177,10 +177,10 @@ def test_threads_hear_of_a_fit_what_one_hears():
     gauge = Gauge(0.3, t, solve(unit_scene(0.31)).slip_rate(0.3, t), 0.05)
     found = fit([gauge], unit_scene(), ("friction",), rtol=1e-4)
     asked = dict(questions(found))
-    asked["seen"] = lambda one: one.seen(gauge, np.linspace(0.1, 0.9, 5))
+    asked["seen"] = lambda answer: answer.seen(gauge, np.linspace(0.1, 0.9, 5))
     for number in range(10):
         tried = np.array([0.9 + 0.01 * number])
-        asked[f"trial {number}"] = lambda one, tried=tried: one.trials.misfit(tried)
+        asked[f"trial {number}"] = lambda answer, tried=tried: answer.trials.misfit(tried)
     assert differing(lambda: found, asked) == set()
 
 

@@ -86,12 +86,12 @@ def windows(monkeypatch):
         locked[name] = descriptor
 
     def is_open(path, only=None):
-        for one in Path("/proc/self/fd").iterdir():
+        for file in Path("/proc/self/fd").iterdir():
             try:
-                found = os.readlink(one) == os.path.realpath(path)
+                found = os.readlink(file) == os.path.realpath(path)
             except OSError:
                 continue
-            if found and only in (None, int(one.name)):
+            if found and only in (None, int(file.name)):
                 return True
         return False
 

@@ -72,7 +72,7 @@ def exponentials(ratio, horizon, tolerance=1e-5):
         support += [worst, (worst + len(w)) % len(s)]
         rest = np.setdiff1d(np.arange(len(s)), support)
         cauchy = 1 / (s[rest, None] - s[support])
-        loewner = [one[rest, None] * cauchy - cauchy * one[support] for one in scaled]
+        loewner = [entry[rest, None] * cauchy - cauchy * entry[support] for entry in scaled]
         weight = np.linalg.svd(np.concatenate(loewner), full_matrices=False)[2][-1].conj()
         fitted = scaled.copy()
         fitted[:, rest] = (cauchy @ (weight * scaled[:, support])[..., None])[..., 0] / (
@@ -122,15 +122,15 @@ class Body:
 
     def begun(self, velocity):
         """The states after a step but for the velocities at its end."""
-        spectra = [np.fft.rfft(one) for one in velocity]
+        spectra = [np.fft.rfft(speed) for speed in velocity]
         return [
-            self.decay * state + self.before * one
-            for state, one in zip(self.states, spectra, strict=True)
+            self.decay * state + self.before * spectrum
+            for state, spectrum in zip(self.states, spectra, strict=True)
         ]
 
     def ended(self, begun, velocity):
         """The states with those, and the tractions they carry."""
-        states = [one + self.after * np.fft.rfft(v) for one, v in zip(begun, velocity, strict=True)]
+        states = [old + self.after * np.fft.rfft(v) for old, v in zip(begun, velocity, strict=True)]
         along, normal, mixed = self.residues[..., None]
         tau = -self.sign * (along * states[0]).sum(axis=0) - self.turn * (mixed * states[1]).sum(
             axis=0
@@ -145,19 +145,19 @@ class Body:
 def march(pair, nodes, reach, viscosity=0.0, courant=0.4):
     """March a pair to t = 1, undisturbed by the periodic images for x/t < reach."""
     solids, base, load = (pair.material, pair.lower_material), pair.base, pair.load
-    length = 2 * (max(one.longitudinal_speed for one in solids) + reach)
+    length = 2 * (max(solid.longitudinal_speed for solid in solids) + reach)
     spacing = length / nodes
     x = (np.arange(nodes) - nodes // 2 + 0.31) * spacing  # where a stuck edge puts the first node
     q = 2 * np.pi * np.fft.rfftfreq(nodes, spacing)
-    steps = int(np.ceil(max(one.shear_speed for one in solids) / (courant * spacing)))
+    steps = int(np.ceil(max(solid.shear_speed for solid in solids) / (courant * spacing)))
     dt = 1.0 / steps
-    upper, lower = (Body(one, q, dt, 1.0, s) for one, s in zip(solids, (1, -1), strict=True))
+    upper, lower = (Body(solid, q, dt, 1.0, s) for solid, s in zip(solids, (1, -1), strict=True))
     slot, gap = x < 0, np.zeros(nodes)
     velocities = [[np.zeros(nodes), np.zeros(nodes)] for _ in range(2)]
     free = np.where(slot, load.pressure, base.pressure)
     series = upper.shear * lower.shear / (upper.shear + lower.shear)
     for _ in range(steps):
-        begun = [one.begun(v) for one, v in zip((upper, lower), velocities, strict=True)]
+        begun = [solid.begun(v) for solid, v in zip((upper, lower), velocities, strict=True)]
         new = velocities
         for _ in range(2):
             (_, tau_1, sigma_1), (_, tau_2, sigma_2) = (

@@ -1,4 +1,4 @@
-"""Answers to the problem sheets: solved or marched when they are asked for; of interfaces, stored.
+"""Answers to the problem sheets: stored, or solved or marched when they are asked for.
 
 Exact answers are sure to ten digits, between different bodies to nine, and written so; what comes
 of grids is written to seven digits at most, with a stated error.
@@ -6,14 +6,12 @@ of grids is written to seven digits at most, with a stated error.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -22,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from compare.benchmarks.sheets import OPENING, Sheet, stored_text
 from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
+from compare.output.tables import csv_text
 from compare.records.record import QUANTITIES
 from semianalytic import solve
 from semianalytic.results.answer import TOTALS, method_of
@@ -50,7 +49,8 @@ class Stored:
     t : (m,) array
         Times [time].
     values : mapping of str to (m, k) array
-        The quantities that the sheet asks for.
+        The quantities that the sheet asks for, which are functions of x and t as of any answer: at
+        the nearest stations and times.
     arrivals : (k,) array
         First times at which the slip rate is above the level of the sheet [time]; inf if never.
     errors : mapping
@@ -64,6 +64,11 @@ class Stored:
     arrivals: Array
     errors: Mapping[str, float]
 
+    def __getattr__(self, name: str) -> Callable[[ArrayLike, ArrayLike], Array]:
+        if name not in QUANTITIES:
+            raise AttributeError(name)
+        return lambda x, t: self.values[name][_nearest(self.t, t), _nearest(self.x, x)]
+
 
 def _nearest(known: Array, given: ArrayLike) -> NDArray[np.intp]:
     wanted = np.asarray(given, dtype=float)[..., None]
@@ -76,7 +81,7 @@ Answered = Any
 @cache
 def answer_to(sheet: Sheet) -> Answered:
     """The answer to a sheet, solved, marched or read; raises as `stored_text` and the solvers."""
-    if not sheet.is_interface:
+    if not sheet.nodes:
         return solve(sheet.problem, **_settings(sheet))
     document = json.loads(stored_text(f"{sheet.name}.json"))
     values = {name: np.array(rows, dtype=float) for name, rows in document["answers"].items()}
@@ -86,10 +91,12 @@ def answer_to(sheet: Sheet) -> Answered:
 
 
 def _settings(sheet: Sheet) -> dict[str, Any]:
+    if sheet.is_interface:
+        return {"times": list(sheet.times)}
     if sheet.is_marched:
         return {"method": "space-time", "end_time": 1.0, "nodes": NODES}
-    if not sheet.problem.has_slot:
-        return {}  # whole lines are exact to rounding
+    if not sheet.problem.has_slot or sheet.problem.grows:
+        return {}  # exact to rounding
     return {"rtol": RTOL if sheet.problem.lower_material is None else PAIR_RTOL}
 
 
@@ -99,12 +106,7 @@ def checksums(contents: Mapping[str, bytes]) -> str:
 
 
 def values_of(answer: Answered, name: str, x: ArrayLike, t: ArrayLike) -> Array:
-    """Return one of `QUANTITIES` of an answer at positions and times, of broadcast shape.
-
-    For interfaces it is that at the nearest stations and times.
-    """
-    if isinstance(answer, Stored):
-        return np.asarray(answer.values[name][_nearest(answer.t, t), _nearest(answer.x, x)])
+    """Return one of `QUANTITIES` of an answer at positions and times, of broadcast shape."""
     return np.asarray(getattr(answer, name)(x, t))
 
 
@@ -165,7 +167,7 @@ def numbers_of(sheet: Sheet) -> dict[str, Any]:
         numbers["arrivals"] = [None if math.isinf(time) else time for time in times]
     if isinstance(answer, Stored):
         return {**numbers, "slip": answer.values["slip"][-1].tolist()}
-    return {**numbers, **{name: float(getattr(answer, name)(1.0)) for name in TOTALS}}
+    return {**numbers, **{name: float(getattr(answer, name)(sheet.end_time)) for name in TOTALS}}
 
 
 def field_of(sheet: Sheet, name: str, answer: Answered) -> Array:
@@ -175,7 +177,7 @@ def field_of(sheet: Sheet, name: str, answer: Answered) -> Array:
 
 def fields_of(sheet: Sheet, answer: Answered) -> dict[str, Array]:
     """Every quantity of an answer at the times and stations of its sheet, (m, k)."""
-    names = sheet.report if isinstance(answer, Stored) else QUANTITIES
+    names = sheet.report if sheet.is_interface else QUANTITIES
     return {name: field_of(sheet, name, answer) for name in names}
 
 
@@ -189,6 +191,8 @@ def stated_errors(sheet: Sheet) -> dict[str, float]:
         return dict(answer.errors)
     if method_of(answer) != "space-time":
         return {}
+    if sheet.is_interface:
+        return {name: answer.error_estimates[name] for name in sheet.report}
     return {
         name: float(answer.error_of(partial(field_of, sheet, name)).sum() / np.abs(values).sum())
         for name, values in fields_of(sheet, answer).items()
@@ -205,14 +209,12 @@ def table_of(sheet: Sheet) -> str:
     """The records of an answer as CSV, in the form in which codes are scored."""
     answer, digits = answer_to(sheet), digits_of(sheet)
     fields = fields_of(sheet, answer)
-    stream = StringIO(newline="")
-    stream.write(f"# benchmark: {sheet.name}\n# answer of slipfront, units {sheet.units}\n")
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(["t", "x", *fields])
+    rows = []
     for place, x in enumerate(sheet.stations):
         for level, t in enumerate(sheet.times):
             values = [float(field[level, place]) for field in fields.values()]
             if not sheet.is_marched:  # what is nothing but rounding is written as 0
                 values = [round(value, digits + 2) + 0.0 for value in values]
-            table.writerow([f"{t:.10g}", f"{x:g}", *(f"{value:.{digits}g}" for value in values)])
-    return stream.getvalue()
+            rows.append([f"{t:.10g}", f"{x:g}", *(f"{value:.{digits}g}" for value in values)])
+    comments = f"benchmark: {sheet.name}", f"answer of slipfront, units {sheet.units}"
+    return csv_text(["t", "x", *fields], rows, *comments)

@@ -13,30 +13,35 @@ from compare.output.places import working_folder
 from semianalytic.results.files import remove_empty, write_bytes
 from semianalytic.scene.errors import SceneError
 
+_TEXTS = {"md": page_of, "csv": table_of, "toml": lambda sheet: sheet.file}
+"""Texts of a sheet by the endings of their files."""
+
 
 def exported(sheets: Sequence[Sheet]) -> dict[str, bytes]:
     """Return page, answer and problem of sheets, and checksums, by path below the folder."""
-    contents: dict[str, bytes] = {}
-    for sheet in sheets:
-        texts = {"md": page_of(sheet), "csv": table_of(sheet), "toml": sheet.file}
-        for ending, text in texts.items():
-            contents[f"{sheet.name}/{sheet.name}.{ending}"] = text.encode()
+    texts = (text(sheet).encode() for sheet in sheets for text in _TEXTS.values())
+    contents = dict(zip(_names(sheets), texts, strict=True))
     return {**contents, SUMS: checksums(contents).encode()}
+
+
+def _names(sheets: Sequence[Sheet]) -> list[str]:
+    return [f"{sheet.name}/{sheet.name}.{ending}" for sheet in sheets for ending in _TEXTS]
 
 
 def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) -> list[Path]:
     """Write sheets into a folder, all or none, and return what was written.
 
-    Files that are there are replaced only with `overwrite`, else refused by a SceneError.
+    Files that are there are replaced only with `overwrite`, else refused by a SceneError before
+    anything is solved.
     """
-    contents = exported(sheets)
-    there = sorted(name for name in contents if (folder / name).exists())
+    there = sorted(name for name in (*_names(sheets), SUMS) if (folder / name).exists())
     if there and not overwrite:
         raise SceneError(
-            f"{folder / there[0]} is there already; choose another folder, or give --overwrite."
+            f"{folder / there[0]} exists already; choose another folder, or give --overwrite."
         )
-    new = [folder / name for name in contents if name not in there]
     with working_folder(folder):
+        contents = exported(sheets)
+        new = [folder / name for name in contents if name not in there]
         try:
             for name, data in contents.items():
                 write_bytes(folder / name, data)

@@ -29,7 +29,8 @@ def page_of(sheet: Sheet) -> str:
 
 def _parts(sheet: Sheet) -> Iterator[str]:
     yield f"# {sheet.name}: {sheet.title}"
-    yield f"It tests {sheet.tests}."
+    if sheet.tests:
+        yield f"It tests {sheet.tests}."
     yield "## Problem"
     yield sheet.statement
     if sheet.note:
@@ -85,7 +86,7 @@ def _answer(sheet: Sheet) -> Iterator[str]:
             f"It is the limit of grids of {sheet.nodes // 2} and {sheet.nodes} nodes, by an order "
             f"of {sheet.order}. The stated error is its difference from the limit of "
             f"{sheet.nodes // 4} and {sheet.nodes // 2} nodes"
-            if sheet.is_interface
+            if sheet.nodes
             else "It is marched on a grid. The stated error is that of its estimate"
         )
         yield (

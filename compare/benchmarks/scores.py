@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 
 from compare.benchmarks import answers
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
-from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.names import not_read
 from compare.records.read import MESHES, binary_reader, read_records
-from compare.records.record import QUANTITIES, Record, Records
+from compare.records.record import AFTER, QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
+from compare.validation.exact import AT_TIME, Exact, Sampling
+from compare.validation.norms import pooled, station_norm
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import lines_of
 
@@ -34,8 +35,7 @@ ENOUGH = 0.9
 LONGEST_STEP = 1 / 32
 """Longest step between two samples over T that counts as held: that of the answers' tables."""
 NOTHING = 1e-9
-"""An exact norm below this, relative to that of the reference value, is zero; and rounding of
-times."""
+"""Rounding of times."""
 _STATED = Conventions(sign="as-given", slip="relative", pressure="compression", tractions="total")
 """Conventions that a sheet asks for, so that nothing is inferred."""
 
@@ -201,37 +201,23 @@ def _relative_error(
     sheet: Sheet, answer: answers.Answered, stations: Sequence[Record], name: str, step: float
 ) -> float:
     """Relative L1 error of a quantity, means of slip rate over a step; nan where none has it."""
-    wrong = whole = unit = 0.0
-    # what an error is relative to where the answer is zero, as it is nowhere but in scenes
-    scale = slip_rate_scale if name in ("slip_rate", "slip") else stress_scale
-    size = scale(sheet.problem)
-    for station in stations:
-        step = step if name == "slip_rate" else 0.0
-        t, values, exact = _both(answer, station, name, step)
-        known = np.isfinite(values) & np.isfinite(exact)  # slip rate at the end of a patch is not
-        if known.sum() > 1:
-            t, values, exact = t[known], values[known], exact[known]
-            wrong += float(np.trapezoid(np.abs(values - exact), t))
-            whole += float(np.trapezoid(np.abs(exact), t))
-            unit += size * float(t[-1] - t[0])
-    whole = whole if whole > NOTHING * unit else unit
-    return wrong / whole if whole else math.nan
+    exact = Exact(sheet.problem, answer, sheet.end_time)
+    sampling = Sampling(AFTER, step) if step else AT_TIME
+    if sheet.is_interface:
+        stations = [
+            _at_times_of(sheet, record, step if name == "slip_rate" else 0.0) for record in stations
+        ]
+        sampling = AT_TIME
+    norms = [station_norm(record, name, exact, sampling) for record in stations]
+    known = [norm for norm in norms if norm is not None]
+    return pooled(known).L1 if known else math.nan
 
 
-def _both(
-    answer: answers.Answered, record: Record, name: str, step: float
-) -> tuple[Array, Array, Array]:
-    """Times, values of a record and exact ones, (n,); values that it does not hold are nan."""
-    values = record.values.get(name, np.full(len(record.t), math.nan))
-    if isinstance(answer, answers.Stored):
-        # Fronts are so sharp that only a record, which has the steps of its code, may be
-        # interpolated.  A mean from t to t + step counts for the middle.
-        t = answer.t[(answer.t >= record.t[0]) & (answer.t <= record.t[-1])]
-        values = np.interp(t, record.t + step / 2, values)
-        return t, values, answers.values_of(answer, name, record.x, t)
-    t, exact = record.t, answers.values_of(answer, name, record.x, record.t)
-    if step:
-        ends = np.minimum(t + step, 1.0)  # a march ends at T
-        slips = [answers.values_of(answer, "slip", record.x, times) for times in (t, ends)]
-        exact = np.divide(slips[1] - slips[0], ends - t, out=exact, where=ends > t)
-    return t, values, exact
+def _at_times_of(sheet: Sheet, record: Record, step: float) -> Record:
+    """A record at times of the answer: fronts are so sharp that only a record, which has the steps
+    of its code, may be interpolated.  A mean from t to t + step counts for the middle."""
+    t = np.array([time for time in sheet.times if record.t[0] <= time <= record.t[-1]])
+    values = {
+        name: np.interp(t, record.t + step / 2, values) for name, values in record.values.items()
+    }
+    return Record(record.x, t, values)

@@ -1,17 +1,16 @@
 """Problem sheets for codes of dynamic contact: what is asked, at which stations, in which units.
 
 A sheet is a named scene or whole line in units mu = rho = c_t = T = 1, or an interface in
-units of its own; data/sheets.toml lists them.
+units of its own.  data/sheets.toml states those with classes; every other named scene is one too.
 """
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -19,12 +18,14 @@ from typing import Any
 
 import numpy as np
 
+from compare.records.record import QUANTITIES
 from semianalytic import Scene, find
 from semianalytic.methods import chosen
+from semianalytic.scene.checks import meant
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.documents import scene_document, toml_text
 from semianalytic.scene.given.files import scene_of_file
-from semianalytic.scene.given.named import NAMED_LINES
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.tables.text import text_of
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
@@ -38,6 +39,7 @@ PLAIN, SI = "mu = rho = c_t = T = 1", "SI"
 STATEMENT = "{bodies} {slot} {coulomb} {loaded} {along} {faces} {letters}"
 DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
+_BY_FILE = "The file below states all of {}, with the keys of docs/scenes.md and docs/engine.md."
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,8 @@ class Sheet:
     extent_words : str
         The same in words.
     nodes, order : int
-        Nodes of the finest grid of an interface, and the order at which its runs converge.
+        Nodes of the finest grid of an interface whose answer is stored, and the order at which its
+        runs converge; 0 of one that is marched when it is asked for.
     level : float
         Slip rate whose first time is the arrival at an interface [length / time].
     classes : mapping of str to tuple of float
@@ -101,7 +104,7 @@ class Sheet:
 
     @property
     def is_interface(self) -> bool:
-        """Whether the problem is an interface, whose answer is stored."""
+        """Whether the problem is an interface."""
         return bool(self.interface)
 
     @property
@@ -173,11 +176,41 @@ def sheets() -> Mapping[str, Sheet]:
     return found
 
 
+def sheet_names() -> tuple[str, ...]:
+    """Names of all sheets, those with classes first."""
+    return tuple(dict.fromkeys((*sheets(), *NAMED_SCENES, *NAMED_LINES)))
+
+
 def find_sheet(name: str) -> Sheet:
     """Sheet of a name; SceneError if there is none."""
-    known = sheets()
-    if name in known:
-        return known[name]
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(known)}."
+    if name in sheets():
+        return sheets()[name]
+    if name in NAMED_SCENES or name in NAMED_LINES:
+        return _plain_sheet(name)
+    if name in NAMED_SPECIMENS:
+        find(name)  # refuses it
+    known = sheet_names()
+    hint = meant(name, known, f"choose {', '.join(known)}.", 0.5)
     raise SceneError(f"There is no benchmark called {name!r}; {hint}")
+
+
+def _plain_sheet(name: str) -> Sheet:
+    """The sheet of a named scene that data/sheets.toml does not state: its file says all of it."""
+    scene, file = find(name), text_of(NAMED_LINES[name]) + "\n" if name in NAMED_LINES else ""
+    title = tomllib.loads(file)["summary"] if file else NAMED_SCENES[name].summary
+    sheet = Sheet(name, title, "", QUANTITIES, statement=_BY_FILE.format(name), interface=file)
+    if not scene.on_line:
+        return sheet
+    end, widest = float(scene.run["end_time"]), max(b - a for a, b in scene.contact.intervals) / 2
+    reach = min(widest, scene.fastest_speed * end, scene.period / 4)
+    places = (*(() if scene.even else (-0.75, -0.25)), *STATIONS)
+    return replace(
+        sheet,
+        report=QUANTITIES if scene.may_open else QUANTITIES[:3],
+        arrival="",
+        units=scene.units or "of the file",
+        stations=tuple(float(f"{reach * x:.6g}") for x in places),
+        step=end / len(TIMES),
+        extent=reach,
+        extent_words=f"{reach:g}",
+    )

@@ -80,10 +80,10 @@ def judged_by(points: Sequence[Point], label: str) -> str:
         for found in findings(points)
         if found.scene == label and found.method != own and found.least_error < math.inf
     ]
-    confirmed = f"agrees with {' and '.join(others)}" if others else "no other method judges it"
+    confirmed = f"agrees with {' and '.join(others)}" if others else "is compared with no other"
     return (
         f"Reference: {point.reference}, uncertain by {point.reference_error:.0e}; "
-        f"it judges its own method, and {confirmed}."
+        f"it is one of the methods shown, and {confirmed}."
     )
 
 
@@ -135,9 +135,9 @@ def write_chart(
 
 def described(points: Sequence[Point]) -> Iterator[PrintedTable | str]:
     """Yield a table of what points say, and sentences on references and on refusals."""
-    table = PrintedTable("scene", "method", title="Relative error against processor time")
-    for name in ("cheapest [s]", "its error", "least error", "1 % in [s]", "slope"):
-        table.add_column(name, justify="right")
+    numbers = "cheapest [s]", "its error", "least error", "1 % in [s]", "slope"
+    title = "Relative error against processor time"
+    table = PrintedTable("scene", "method", numbers=numbers, title=title)
     for row in findings(points):
         words = [f"{number:.2g}" for number in astuple(row)[2:]]
         table.add_row(row.scene, row.method, *("—" if word == "nan" else word for word in words))

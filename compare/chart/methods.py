@@ -76,12 +76,13 @@ class Problem:
 
     @property
     def tasks(self) -> list[tuple[str, float]]:
-        """Names of the methods that apply, with their settings."""
+        """Names of the methods that apply, with their settings, the coarsest of each first."""
         return [
-            (name, setting)
+            (name, method.settings[level])
+            for level in range(max(len(method.settings) for method in METHODS.values()))
             for name, method in METHODS.items()
-            for setting in method.settings
-            if method.applies(self) and setting > self.finest
+            if level < len(method.settings) and method.applies(self)
+            if method.settings[level] > self.finest
         ]
 
     def reading(self, answer: Any, quantity: str) -> Array:
@@ -168,7 +169,7 @@ def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
     except Exception as error:  # of any kind, or the process was killed
         raise ComputationError(
             f"{METHODS[method].label} on {problem.label} at {setting:g} failed ({error}); start "
-            "again to go on with the other points."
+            "again to continue with the other points."
         ) from error
 
 

@@ -6,6 +6,7 @@ its scene, in the slip rate at the places and the end time of `Problem`.
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import shlex
@@ -16,6 +17,7 @@ from datetime import date
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from time import monotonic
 
 from compare.chart.methods import QUANTITIES, Array, Problem, exact, marched, run_point
 from compare.comparison.measures import is_nothing, relative_error
@@ -29,6 +31,8 @@ FILE = "data/chart.csv"
 COMMAND = "slipfront chart"
 REFERENCE_NODES = 4096
 """Nodes of a marched reference."""
+GROWTH = 4.0
+"""Time of a point over that of the one before it of its method: a grid of twice the nodes."""
 Key = tuple[str, str, float]  # label of a scene, method and setting
 
 
@@ -125,12 +129,14 @@ def measure_all(
     fresh: bool = False,
     progress: Progress | None = None,
     tell: Callable[[str], None] | None = None,
+    budget: float = math.inf,
 ) -> list[Point]:
     """Measure the missing points of problems; the file of a folder is written after each.
 
     Return all points of the folder, those of other scenes first.  `until` is the end time that was
     asked for, `fresh` repeats finished points, and `tell` is called with a sentence on how many are
-    missing.
+    missing.  A point is not begun where one that is `GROWTH` times as long as the last of its
+    method does not fit into what is left of the budget [s] of a problem; the first is measured.
     """
     labels = {problem.label for problem in problems}
     if len(labels) < len(problems):
@@ -144,16 +150,29 @@ def measure_all(
     command = f"{COMMAND} {shlex.join([*scenes, *options])}"
     reference = cache(reference_of)
     missing = [key for key in planned if key not in done]
+    ends, longest = dict[str, float](), dict[tuple[str, str], float]()
     for key in missing:
+        label, method, _ = key
+        started = monotonic()
+        first = ends.setdefault(label, started + budget) == started + budget
+        if not first and started + longest.get((label, method), 0.0) > ends[label]:
+            continue
         truth = reference(planned[key])
         if tell is not None and key == missing[0]:
             tell(f"{len(missing)} points to measure, {len(done)} are there.")
         done[key] = _measured(planned[key], key, truth, here)
+        longest[label, method] = GROWTH * (monotonic() - started)
         points = [*others, *(done[key] for key in planned if key in done)]
         write_rows(directory / FILE, points, checked=True, command=command)
         if progress is not None:
             progress(len(done), len(planned))
-    return [*others, *(done[key] for key in planned)]
+    return [*others, *(done[key] for key in planned if key in done)]
+
+
+def not_measured(problems: Sequence[Problem], points: Sequence[Point]) -> list[Key]:
+    """Return the points of problems that a budget kept from being measured."""
+    known = {point.key for point in points}
+    return [at for one in problems for task in one.tasks if (at := (one.label, *task)) not in known]
 
 
 def _counts(point: Point, planned: Mapping[Key, Problem], here: str) -> bool:

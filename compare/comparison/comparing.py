@@ -80,7 +80,7 @@ def compare(
 
         given = {**found.run, **settings, **({} if end_time is None else {"end_time": end_time})}
         if "end_time" not in given:
-            raise SceneError("compare: end_time is missing; say until when it is simulated.")
+            raise SceneError("compare: end_time is missing; give the end of the simulation.")
         return compare_interface(found, **given)
     from fem import simulate, with_companions
 

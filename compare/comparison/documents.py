@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from compare.comparison.measures import PROBES, SENSE_THRESHOLD, nearest
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime, wave_speeds
 from semianalytic import Scene
-from semianalytic.engine.nodes import SlotCheckpoint
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import front_share
 from semianalytic.halfplane.stuck_histories import intensity_history
@@ -281,13 +280,8 @@ def march_document(marched: Marched) -> dict[str, Any]:
 
 def _beside_slot(marched: Marched) -> dict[str, Any]:
     """Return what a march beside a slot says besides: onsets, a stuck edge, and its cost."""
-    scene, onset, x, known = (
-        marched.scene,
-        marched.seen.onset,
-        marched.interface.x,
-        marched.checkpoint,
-    )
-    assert isinstance(known, SlotCheckpoint)
+    scene, onset, x = marched.scene, marched.seen.onset, marched.interface.x
+    known: Any = marched.checkpoint
     length, load = scene.material.shear_speed * marched.end_time, scene.superposition.taken_off
     histories = scene.pressure_history, scene.shear_history
     modes: tuple[Mode, Mode] = ("I", scene.shear_mode)
@@ -312,9 +306,9 @@ def _beside_slot(marched: Marched) -> dict[str, Any]:
         },
         "statistics": {
             "nodes": known.grid.size,
-            "steps": known.steps,
-            "poles": len(known.memory.poles),
-            "memory_error": known.memory.error,
+            "steps": known.count,
+            "poles": len(known.layout.kernel.poles),
+            "memory_error": known.layout.kernel.error,
             "seconds": known.seconds,
         },
     }

@@ -67,12 +67,12 @@ def predict_before(scene: Scene, method: str = "auto") -> Solution | PairSolutio
 def predict_like(
     simulation: Simulation,
     method: str = "auto",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[float, float], object] | None = None,
 ) -> Solution | PairSolution | Marched:
     """Predict the scene of a simulation, on its contact and until its end.
 
     Its scene, end time, nodes and times are used, but none of its results.  The method is "auto",
-    "self-similar" or "space-time"; `progress` is called with (step, steps) during a march.
+    "self-similar" or "space-time"; `progress` is that of `march`.
 
     Raises
     ------

@@ -48,5 +48,5 @@ def write_animation(
             write_frames(part, picture.figure, picture.show, times, writer, progress)
         except (CalledProcessError, BrokenPipeError) as error:
             raise ComputationError(
-                f"ffmpeg could not write {path}; look whether it works, or take the format gif."
+                f"ffmpeg could not write {path}; check that it works, or take the format gif."
             ) from error

@@ -1,7 +1,7 @@
 """Figures of slip rate, tractions and the space–time map: prediction and simulation.
 
 Every function draws a `solution`, an exact prediction, as its own `plot` does, and the `history` of
-a simulation of the same scene, and returns a Figure.  Pass `axes` to draw into your own figure.
+a simulation of the same scene, and returns a Figure.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -23,12 +22,10 @@ POINTS = 1500
 
 
 @style.styled
-def interface_figure(
-    solution: Any, history: InterfaceHistory, *, axes: tuple[Axes, Axes, Axes] | None = None
-) -> Figure:
+def interface_figure(solution: Any, history: InterfaceHistory) -> Figure:
     """Draw slip rate and tractions at the last time of the history, and the difference of rates."""
     scene, time = solution.scene, float(history.t[-1])
-    upper, middle, lower = axes or _new_panels(solution, (3, 3, 1))
+    figure, (upper, middle, lower) = _new_panels(solution, (3, 3, 1))
     (_, reach), _ = draw_profile(solution, (upper, middle, lower), time)
     length, _, stress = shown_units(scene, reach, time)
     shown = history.x <= reach
@@ -47,14 +44,14 @@ def interface_figure(
         for panel, least in ((upper, 0.1), (lower, 0.01)):
             low, high = panel.get_ylim()
             panel.set_ylim(min(low, -least), max(high, least))
-    upper.figure.legend(handles=style.method_handles(), loc="outside lower center", ncols=2)
-    return _figure(upper)
+    figure.legend(handles=style.method_handles(), loc="outside lower center", ncols=2)
+    return figure
 
 
 @style.styled
-def fronts_figure(solution: Any, history: InterfaceHistory, *, axes: Axes | None = None) -> Figure:
+def fronts_figure(solution: Any, history: InterfaceHistory) -> Figure:
     """Draw a space–time map of the simulated slip rate with predicted fronts and zone edges."""
-    panel = axes or _new_panels(solution, (1,))[0]
+    figure, (panel,) = _new_panels(solution, (1,))
     draw_map(solution, history, panel)
     end = float(history.t[-1])
     length, time, _ = shown_units(solution.scene, float(np.ptp(history.x)), end)
@@ -73,17 +70,11 @@ def fronts_figure(solution: Any, history: InterfaceHistory, *, axes: Axes | None
         drawn.set_path_effects(style.outline())
     if handles:
         panel.legend(handles=handles, loc="lower right")
-    return _figure(panel)
+    return figure
 
 
-def _new_panels(solution: Any, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
-    """Return panels above each other, with these ratios of heights."""
+def _new_panels(solution: Any, ratios: tuple[int, ...]) -> tuple[Figure, Any]:
+    """Return a figure with panels above each other, with these ratios of heights."""
     figure = style.new_figure(7, 3.5 + 1.2 * len(ratios))
     style.describe(figure, scene_title(solution.scene))
-    return tuple(np.ravel(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)))
-
-
-def _figure(panel: Axes) -> Figure:
-    figure = panel.get_figure(root=True)
-    assert figure is not None  # axes in use always belong to a figure
-    return figure
+    return figure, np.ravel(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))

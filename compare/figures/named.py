@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure
 
 from compare.figures import style
 from semianalytic.results.plotting import scene_title
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.plugins import FIGURES, find_plugin, plugin_names
 
@@ -45,8 +44,7 @@ def find_figure(name: str) -> Draw:
     plugin = find_plugin(FIGURES, name)
     if plugin is None:
         names = [*OWN_FIGURES, *plugin_names(FIGURES, OWN_FIGURES)]
-        close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-        hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}."
+        hint = meant(name, names, f"choose {', '.join(names)}.", 0.5)
         raise SceneError(f"There is no figure called {name!r}; {hint}")
     draw = plugin.load()
     if not callable(draw):

@@ -12,7 +12,6 @@ from importlib.resources import as_file, files
 from itertools import chain
 from typing import Any, Literal, ParamSpec
 
-import numpy as np
 from matplotlib import RcParams, rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
@@ -23,7 +22,6 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS, slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.results import plotting
-from semianalytic.scene.units import unit
 
 LineStyle = Literal["-", "--", "-.", ":"]
 P = ParamSpec("P")
@@ -80,20 +78,14 @@ def look() -> Iterator[None]:
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Decorate a function that draws a figure, so that it draws in our `look`.
-
-    The argument `axes` of the function may be axes of the user's own figure.
-    """
+    """Decorate a function that draws a figure, so that it draws in our `look`."""
 
     @wraps(draw)
     def drawn(*args: P.args, **options: P.kwargs) -> Figure:
-        own: Any = options.get("axes")
-        before = [line for panel in np.ravel(own) for line in panel.lines] if own else []
         with look():
             figure = draw(*args, **options)
-            for line in _lines(figure):
-                if line not in before:  # fix the colour "C0" now; saving may use another cycle
-                    line.set_color(to_hex(line.get_color()))
+            for line in _lines(figure):  # fix the colour "C0" now; saving may use another cycle
+                line.set_color(to_hex(line.get_color()))
         return figure
 
     return drawn
@@ -145,13 +137,13 @@ def scene_words(scene: Scene) -> str:
     title = plotting.scene_title(scene)
     if scene.on_line:
         return title
-    pascal = f" {unit('stress', scene.units)}" if scene.units else ""
+    factor, pascal = plotting.shown_units(scene, 1.0, 1.0)[-1] if scene.units else (1.0, "")
     sizes = ""
     if scene.units:  # else they are of the scene's own units, in which numbers mean nothing more
         speed = scene.material.shear_speed
         sizes = f" = {slip_rate_scale(scene):.3g} m/s, cₜ = {speed:.4g} m/s"
-    scales = f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g}{pascal}, V₀ = 2 τ₀ / ρcₜ{sizes}"
-    return f"{title}; {scales}"
+    stress = f"{stress_scale(scene) * factor:.3g} {pascal}".rstrip()
+    return f"{title}; τ₀ = {_unit_name(scene)} = {stress}, V₀ = 2 τ₀ / ρcₜ{sizes}"
 
 
 def _unit_name(scene: Scene) -> str:

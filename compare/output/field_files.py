@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import secrets
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.output.places import write_text
+from compare.output.tables import csv_text
 from semianalytic.results.derived import strain
 from semianalytic.scene.units import unit
 
@@ -104,12 +103,8 @@ def write_record(path: Path, record: FieldRecord, units: str, command: str) -> N
     The command that makes the file is a comment in its first line.
     """
     columns = dict(record.columns(units))
-    text = io.StringIO()
-    text.write(f"# {command}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(np.stack(list(columns.values()), axis=1).tolist())
-    write_text(path, text.getvalue())
+    rows = np.stack(list(columns.values()), axis=1).tolist()
+    write_text(path, csv_text(columns, rows, command))
 
 
 def write_frames(

@@ -28,12 +28,19 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: 
     """
     if not rows:
         return
-    stream = io.StringIO(f"# {command}\n" if command else "", newline="")
-    stream.seek(0, io.SEEK_END)
+    heading = _headings(type(rows[0]), len(rows) if checked else None)
+    cells = (_checked_cells(row) if checked else astuple(row) for row in rows)
+    write_text(path, csv_text(heading, cells, *([command] if command else [])))
+
+
+def csv_text(heading: Iterable[str], rows: Iterable[Iterable[Any]], *comments: str) -> str:
+    """Return a table as CSV, after lines of comments."""
+    stream = io.StringIO(newline="")
+    stream.writelines(f"# {comment}\n" for comment in comments)
     table = csv.writer(stream, lineterminator="\n")
-    table.writerow(_headings(type(rows[0]), len(rows) if checked else None))
-    table.writerows(_checked_cells(row) if checked else astuple(row) for row in rows)
-    write_text(path, stream.getvalue())
+    table.writerow(heading)
+    table.writerows(rows)
+    return stream.getvalue()
 
 
 def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]:

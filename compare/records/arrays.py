@@ -21,7 +21,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 
-ANEW = "write it anew"
+ANEW = "write it again"
 
 
 def read_npz(path: Path, options: ReadingOptions) -> Records:

@@ -32,7 +32,7 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     """Records of frames: one PVD or XDMF file, with motion of faces at y = 0 or fields there."""
     frames = sorted(_frames(path), key=lambda frame: frame[0])
     if len(frames) < 2:
-        raise DataFileError(f"{path} has {len(frames)} frames; a record takes two at least.")
+        raise DataFileError(f"{path} has {len(frames)} frames; a record needs at least two.")
     times, rows = [], []
     notes: list[str] = []
     stated = Stated()

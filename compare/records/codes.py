@@ -62,7 +62,7 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
         if value.shape != (len(t), len(x)):
             raise DataFileError(
                 f"{path}: {name} has shape {value.shape}, where times and coordinates ask for "
-                f"{(len(t), len(x))}; write the files anew."
+                f"{(len(t), len(x))}; write the files again."
             )
     stations, mended = stations_of_grid(path, x, t, values)
     unread = tuple(name for name, _ in listed if name not in UGUCA_FIELDS)
@@ -85,7 +85,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
     data = _fortran_records(Path(stem + "_sem2d.dat"), int(points), int(count))
     initial = read_table(Path(stem + "_init_sem2d.tab"), 1).rows
     if len(names) != count or len(x) != points or len(initial) != points:
-        raise DataFileError(f"{path} and its other files are not of one run; write them anew.")
+        raise DataFileError(f"{path} and its other files are not of one run; write them again.")
     columns = {SEM_FIELDS[name]: data[:, i] for i, name in enumerate(names) if name in SEM_FIELDS}
     for name, place in (("shear_traction", 0), ("pressure", 1)):
         if name in columns:

@@ -244,5 +244,5 @@ def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "
         "rename what is, or say slipfront validate --column slip_rate=NAME, or slipfront fit "
-        "--gauge NAME=exx@X,Y of the column of a gauge."
+        "--gauge NAME=exx@X,Y for the column of a gauge."
     )

@@ -46,7 +46,7 @@ def read_records(
     options = options or ReadingOptions()
     files = [Path(path) for path in paths]
     if not files:
-        raise DataFileError("There is no file to read; name one at least.")
+        raise DataFileError("There is no file to read; name at least one.")
     if options.at and len(options.at) != len(files):
         raise DataFileError(
             f"There are {len(options.at)} positions for {len(files)} files; give one for each."
@@ -78,7 +78,7 @@ def _read_file(path: Path, options: ReadingOptions, at: float | None) -> tuple[R
             return reader(path, options), False
     if suffix in ARRAYS:
         raise DataFileError(
-            f"{path} cannot be read: it is no NPZ, NPY, HDF5 or NetCDF-4 file; write it anew."
+            f"{path} cannot be read: it is no NPZ, NPY, HDF5 or NetCDF-4 file; write it again."
         )
     if suffix == ".info":
         return read_uguca(path, options), False

@@ -65,14 +65,14 @@ def station(
         if np.isinf(value).any():
             raise DataFileError(
                 f"{path}: {name} is infinite at x = {x:g}, t = {t[order][np.isinf(value)][0]:g}; "
-                "leave out what a run that fails has written."
+                "leave out values written by a run that failed."
             )
     empty = [name for name, value in kept.items() if not np.isfinite(value).any()]
     kept = {name: value for name, value in kept.items() if name not in empty}
     noise = {name: kept.pop(f"{NOISE} {name}", None) for name in list(kept)}
     if not kept:
         raise DataFileError(
-            f"{path} has no finite number at x = {x:g}; leave that station out, or write it anew."
+            f"{path} has no finite number at x = {x:g}; leave that station out, or write it again."
         )
     notes += [f"{name} has no number at x = {x:g} and is left out there" for name in empty]
     known = {name: value for name, value in noise.items() if value is not None}

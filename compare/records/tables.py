@@ -208,7 +208,7 @@ def joined(parts: list[Records]) -> Records:
             if row.x in stations:
                 raise DataFileError(
                     f"{stations[row.x][1]} and {part.source} are both of the station x = {row.x:g};"
-                    " say where each is, or put every run into a folder of its own."
+                    " state the position of each, or put every run into a folder of its own."
                 )
             stations[row.x] = row, part.source
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
@@ -268,7 +268,7 @@ def _number(path: Path, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise DataFileError(f"{path}: {text!r} in a comment is not a number; mend it.") from None
+        raise DataFileError(f"{path}: {text!r} in a comment is not a number; correct it.") from None
 
 
 def _unit(path: Path, text: str) -> Unit | None:

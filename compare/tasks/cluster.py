@@ -39,7 +39,7 @@ def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
     except (OSError, TimeoutError) as error:
         raise ComputationError(
             f"No Dask scheduler answers at {address} within {patience:g} s; start one with "
-            "`dask scheduler`, or give the address it says."
+            "`dask scheduler`, or give its address."
         ) from error
     except ValueError as error:
         raise SceneError(
@@ -76,7 +76,7 @@ def on_cluster(
         ) from error
     except (OSError, TimeoutError, CancelledError) as error:
         raise ComputationError(
-            "The scheduler of the cluster was lost; start again to go on with what is left."
+            "The scheduler of the cluster was lost; start again to continue."
         ) from error
     finally:
         if places:

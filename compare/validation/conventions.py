@@ -26,7 +26,7 @@ class Conventions:
     """Known units and conventions of a file.
 
     Units that neither the file nor a scale states are those of the scene.  Conventions that neither
-    states are as given, or the only ones that explain the records, which is then said.
+    states are as given, or the only ones that explain the records, which is then reported.
 
     Parameters
     ----------

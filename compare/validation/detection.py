@@ -89,7 +89,7 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
     """How a run is to be read; what is stated holds, and what is inferred is said."""
     given = given_reading(conventions, run.stated, scene)
     read = given.apply(run)
-    right = [one for one in run.stations if scene.contact.touches([given.place(one)])[0]]
+    right = [record for record in run.stations if scene.contact.touches([given.place(record)])[0]]
     some = np.unique(np.linspace(0, len(right) - 1, LOOKED_AT).round().astype(int))
     looked_at = replace(run, stations=tuple(right[place] for place in some if right))
     end = last_time(read)
@@ -109,7 +109,7 @@ def last_time(run: Records) -> float:
     end = max(ends, default=0.0)
     if end <= 0:
         raise DataFileError(
-            f"{run.source or 'validate'}: nothing was recorded after t = 0, when the load comes; "
+            f"{run.source or 'validate'}: nothing was recorded after t = 0, when the load acts; "
             "shift the times (time_shift)."
         )
     return end
@@ -264,7 +264,7 @@ def _hint(
 ) -> Iterator[str]:
     """One sentence on positions, times or quantities that are off by a factor, if any are."""
     reading, exact = given.reading, given.exact
-    places = (abs(reading.place(one)) for one in run.stations)
+    places = (abs(reading.place(station)) for station in run.stations)
     nearness = max(places, default=0.0) / farthest(exact.scene, exact.end_time)
     if 0 < nearness < NEAREST:
         yield (

@@ -20,6 +20,8 @@ POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""
 CLOSEST = 0.25
 """Part of the distance to an end of the contact that a station is moved to at most."""
+FRONT_STEP = 1e-3
+"""Step, over T, whose mean stands for a slip rate that is infinite."""
 MARCH_NODES = 800
 
 
@@ -70,6 +72,9 @@ class Exact:
         if key not in self._known:
             t, mean = np.minimum(t, self.end_time), name == "slip_rate" and sampling.kind != POINT
             values = self._mean_rate(x, t, sampling) if mean else getattr(self.answer, name)(x, t)
+            if not np.isfinite(values).all():  # slip rate as the end of a patch passes
+                near = self._mean_rate(x, t, Sampling(AFTER, FRONT_STEP * self.end_time))
+                values = np.where(np.isfinite(values), values, near)
             self._known[key] = np.asarray(values)
         return self._known[key]
 
@@ -91,8 +96,8 @@ class Exact:
         """Return records that a grid may see instead: a band [length] early, late, near and far."""
         late = band / self.scene.material.shear_speed
         half = self.scene.period / 2
-        ends = next((one for one in self.scene.contact.intervals if one[0] < x < one[1]), (x, x))
-        begin, end = (CLOSEST * x + (1 - CLOSEST) * one for one in np.clip(ends, -half, half))
+        ends = next((own for own in self.scene.contact.intervals if own[0] < x < own[1]), (x, x))
+        begin, end = (CLOSEST * x + (1 - CLOSEST) * end for end in np.clip(ends, -half, half))
         records = [self.record(name, x, t + shift) for shift in (-late, late)]
         places = max(x - band, begin), min(x + band, end)
         return (*records, *(self.record(name, place, t) for place in places))

@@ -76,8 +76,8 @@ class Conversion:
     def _record(self, record: Record) -> Record:
         x = self.place(record)
         values = {
-            name: one * self.factor(name) + (self.bases[name](x) if name in self.bases else 0.0)
-            for name, one in record.values.items()
+            name: value * self.factor(name) + (self.bases[name](x) if name in self.bases else 0.0)
+            for name, value in record.values.items()
         }
         return Record(x, self.times(record), values)
 
@@ -129,5 +129,5 @@ def faces_are_mirrored(scene: Scene) -> bool:
     """Whether slip is twice the motion of one face: bodies are alike, and shear acts alone."""
     loads = scene.load if isinstance(scene.load, tuple) else (scene.load,)
     return scene.lower_material is None and all(
-        isinstance(one, Tractions | InterfaceLoad) and not one.pressure for one in loads
+        isinstance(load, Tractions | InterfaceLoad) and not load.pressure for load in loads
     )

@@ -77,7 +77,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def inferred(self) -> tuple[str, ...]:
-        """Conventions that neither the file nor the caller has said, in words."""
+        """Conventions that neither the file nor the caller has stated, in words."""
         return self.detection.inferred
 
     @cached_property
@@ -87,7 +87,7 @@ class Validation(HasRows[JudgedRow]):
         "unresolved".
 
         "agrees after conversion" where that takes conventions which neither the file nor the
-        caller has said.
+        caller has stated.
         """
         motion = [row for row in self.rows if row.kind in MOTION]
         # That nothing slips where nothing should is no sign that slip is right where it is.
@@ -98,7 +98,7 @@ class Validation(HasRows[JudgedRow]):
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """Columns, arrays or fields of the files of which nothing is known."""
+        """Columns, arrays or fields of the files that are not known."""
         return tuple(dict.fromkeys(name for run in self.grids.runs for name in run.unread))
 
     @property
@@ -256,7 +256,7 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
         places = [record.x for record in run.stations]
         begin = max(exact.scene.contact.intervals[0][0], -far)
         raise DataFileError(
-            f"{run.source or 'validate'}: no station lies on the contact where waves come until "
+            f"{run.source or 'validate'}: no station lies on the contact where waves arrive until "
             f"t = {exact.end_time:.4g} (positions {min(places, default=0):.4g} to "
             f"{max(places, default=0):.4g}, of {begin:.4g} to {far:.4g}); give the "
             "unit of positions or of times (scale)."

@@ -45,10 +45,10 @@ def main(folder: Path = Path(".")) -> sf.Solution:
     for seen, style, name in ((marched, "C1-", "march"), (simulated, "C2-", "finite elements")):
         lower.plot(seen.x, seen.slip_rate[-1] - slip_rate(seen.x), style, lw=1, label=name)
     upper.text(0.62, 0.3, "shear traction / load")
-    upper.text(0.08, 0.72, "slip rate / (load / impedance)")
+    upper.text(0.17, 0.66, "slip rate / (load / impedance)")
     upper.legend(frameon=False)
     lower.legend(frameon=False)
-    lower.set(xlabel="x / (c_t t)", ylabel="slip rate less closed form", xlim=(0, 1.1))
+    lower.set(xlabel="$x / (c_t t)$", ylabel="slip rate minus closed form", xlim=(0, 1.1))
     figure.savefig(folder / "antiplane.png", dpi=100)
     error = np.abs(solution.slip_rate(xi, 1.0) - slip_rate(xi))[np.abs(xi - EDGE) > 0.03].max()
     print(f"front at {solution.zones[0].outer:.6f} c_t, that is 4/9; solve is off by {error:.1e}")

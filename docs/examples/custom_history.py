@@ -28,6 +28,7 @@ def main(folder: Path = Path(".")) -> float:
         base=sf.Tractions(pressure=4e6, shear=0.0),
         load=sf.Tractions(pressure=0.0, shear=3e6),
         shear_history=sf.Tabulated(tuple(t), tuple(signal / signal.max())),
+        units="SI",
     )
     first = sf.solve(
         scene, method="space-time", end_time=30e-6, nodes=300, length=0.15, latest=60e-6

@@ -20,6 +20,7 @@ SCENE = sf.Scene(
     friction=0.25,
     base=sf.Tractions(pressure=5e6, shear=0.0),  # Pa, before the load
     load=sf.Tractions(pressure=0.0, shear=5e6),  # Pa, released on the slot at t = 0
+    units="SI",
 )
 TIME = 1e-4  # [s]
 
@@ -34,7 +35,7 @@ def main(folder: Path = Path(".")) -> sf.Solution:
     axes.plot(1e3 * x, solution.slip_rate(x, TIME))
     for zone in solution.zones:
         axes.axvspan(1e3 * zone.inner * TIME, 1e3 * zone.outer * TIME, alpha=0.15)
-    for name, speed in (("c_R t", STEEL.rayleigh_speed), ("c_t t", STEEL.shear_speed)):
+    for name, speed in (("$c_R t$", STEEL.rayleigh_speed), ("$c_t t$", STEEL.shear_speed)):
         axes.axvline(1e3 * speed * TIME, color="0.5", linestyle=":", linewidth=1)
         axes.text(1e3 * speed * TIME - 2, 0.19, name, rotation=90, va="top", ha="right")
     axes.set(xlabel="distance from the edge of the slot [mm]", ylabel="slip rate [m/s]")

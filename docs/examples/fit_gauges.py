@@ -37,7 +37,7 @@ def fitted() -> sf.Fit:
 def main(folder: Path = Path(".")) -> sf.Fit:
     """Fit slip, draw the fit, and return it."""
     fit = fitted()
-    fit_figure(fit).savefig(folder / "fit_gauges.png", dpi=60)
+    fit_figure(fit).savefig(folder / "fit_gauges.png", dpi=90)
     (f, p, t0), (df, dp, dt) = fit.values, fit.standard_errors
     print(
         f"friction {f:.3f} ± {df:.3f}, pressure {p / 1e6:.2f} ± {dp / 1e6:.2f} MPa, "

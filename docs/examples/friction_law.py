@@ -34,9 +34,10 @@ def main(folder: Path = Path(".")) -> list[float]:
     np.savetxt(folder / "friction_law.csv", table, delimiter=",", header=head, comments="")
     figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), SCENE)
     axes = figure.subplots()
-    for name, slip, style in zip(names, slips, ("-", "--", ":"), strict=True):
-        axes.plot(x, slip, style, label=name)
-    axes.set(xlabel="x / (c_t T)", ylabel="slip at T", xlim=(0, 1.2), ylim=(0, None))
+    words = ("constant", "falls with slip rate", "falls with slip")
+    for name, slip, style in zip(words, slips, ("-", "--", ":"), strict=True):
+        axes.plot(x, slip, style, label=f"friction {name}")
+    axes.set(xlabel="$x / (c_t T)$", ylabel="slip at T", xlim=(0, 1.2), ylim=(0, None))
     axes.legend()
     figure.savefig(folder / "friction_law.png", dpi=100)
     try:

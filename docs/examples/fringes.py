@@ -24,7 +24,7 @@ HEIGHT, TIME = 2e-3, 20e-6  # m, s
 @look()
 def main(folder: Path = Path(".")) -> np.ndarray:
     """Draw the fringes after 20 us and the fringe order at y = 2 mm; return the fringe order."""
-    solution = sf.solve(sf.Scene(PMMA, friction=0.4, base=BASE, load=SHOCK))
+    solution = sf.solve(sf.Scene(PMMA, 0.4, BASE, SHOCK, units="SI"))
     x = np.linspace(-0.06, 0.06, 400)  # [m]
     y = np.linspace(-0.03, 0.03, 200)[:, None]
     light = sf.fringes(solution.stress(x, y, TIME), THICKNESS, FRINGE_CONSTANT)

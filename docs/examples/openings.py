@@ -35,7 +35,7 @@ def main(folder: Path = Path(".")) -> list[sf.Solution]:
     normal.plot(xi, solution.gap(xi, 1.0), "k--", label="gap")
     normal.set(ylim=(0, 0.06))
     shear.set(ylim=(0, 0.3), ylabel="shear (strength dotted)")
-    rate.set(ylim=(0, 0.5), ylabel="slip rate", xlabel="x / (c_t t)", xlim=(0, 2.05))
+    rate.set(ylim=(0, 0.5), ylabel="slip rate", xlabel="$x / (c_t t)$", xlim=(0, 2.05))
     (opening,) = solution.openings
     for panel in (normal, shear, rate):
         panel.axvspan(opening.inner, opening.outer, color="0.95", zorder=0)

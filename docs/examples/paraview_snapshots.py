@@ -35,8 +35,8 @@ def main(folder: Path = Path(".")) -> int:
     x, y, _ = last.points.T
     across = last.point_data["velocity"][:, 0]  # along the interface, per node
     drawn = axes.tripcolor(Triangulation(x, y, triangles), across, shading="gouraud")
-    figure.colorbar(drawn, label="v_x")
-    axes.set(xlabel="x / (c_t T)", ylabel="y / (c_t T)", xlim=(-2.2, 2.2), ylim=(-1.2, 1.2))
+    figure.colorbar(drawn, label="velocity $v_x$")
+    axes.set(xlabel="$x / (c_t T)$", ylabel="$y / (c_t T)$", xlim=(-2.2, 2.2), ylim=(-1.2, 1.2))
     figure.savefig(folder / "paraview_snapshots.png", dpi=100)
     names = ", ".join([*last.point_data, *last.cell_data])
     print(

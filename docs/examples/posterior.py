@@ -44,7 +44,7 @@ def main(folder: Path = Path(".")) -> Array:
     axes.errorbar(x, y, dy, dx, "o", label="fit and standard errors")
     axes.set(xlabel="gain of the amplifier [1]", ylabel="gain of the gauge [1]")
     axes.legend()
-    figure.savefig(folder / "posterior.png", dpi=60)
+    figure.savefig(folder / "posterior.png", dpi=100)
     low, high = np.quantile(samples[:, 0], (0.05, 0.95))
     print(f"gain {fit.values[0]:.2f} ± {fit.standard_errors[0]:.2f}; from {low:.2f} to {high:.2f}")
     return samples

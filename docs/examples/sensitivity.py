@@ -16,7 +16,7 @@ import slipfront as sf
 from compare.figures.style import describe, look
 
 STEEL = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)
-TRUTH = sf.Scene(STEEL, 0.2, base=sf.Tractions(5e6, 0.0), load=sf.Tractions(0.0, 5e6))
+TRUTH = sf.Scene(STEEL, 0.2, base=sf.Tractions(5e6, 0.0), load=sf.Tractions(0.0, 5e6), units="SI")
 NAMES, PLACES, NOISE = ("friction", "load_shear"), (0.05, 0.1), 0.004  # [m], [m/s]
 
 
@@ -36,8 +36,8 @@ def main(folder: Path = Path(".")) -> sf.Fit:
     for name, size in (("friction", 0.2), ("poisson_ratio", 0.29), ("load_shear", 5e6)):
         derivative = solution.derivative(name)
         change = size * derivative.slip_rate(xi * STEEL.shear_speed, 1.0)
-        left.plot(xi, change, label=name)
-    left.set(xlabel="x / (c_t t)", ylabel="derivative of slip rate times value [m/s]")
+        left.plot(xi, change, label=name.replace("_", " "))
+    left.set(xlabel="$x / (c_t t)$", ylabel="derivative of slip rate × value [m/s]")
     left.set(ylim=(-0.8, 0.8))
     left.legend()
     values, vectors = np.linalg.eigh(fit.covariance * np.outer([1, 1e-6], [1, 1e-6]))

@@ -26,17 +26,17 @@ def main(folder: Path = Path(".")) -> float:
     swept = sf.sweep(SCENE, friction, rtol=1e-8)
     edges = swept.edges  # (frictions, zones, 2), NaN where there are fewer zones
     closed = np.array([edge_speed_under_shear_step(MATERIAL, f) for f in friction])
-    one = np.array([len(solution.zones) == 1 for solution in swept.solutions])
-    difference = float(np.abs(edges[one, 0, 1] / closed[one] - 1).max())
+    alone = np.array([len(solution.zones) == 1 for solution in swept.solutions])
+    difference = float(np.abs(edges[alone, 0, 1] / closed[alone] - 1).max())
 
     figure = describe(
         Figure(figsize=(6, 3.4), layout="constrained"),
-        "ν = 1/3, a step of shear Q₀ on pressure P_b",
+        "ν = 1/3, a step of shear $Q_0$ on pressure $P_b$",
     )
     axes = figure.subplots()
     axes.plot(friction, edges.reshape(len(friction), -1), ".", color="C0", markersize=3)
-    axes.plot(friction[one], closed[one], "k--", linewidth=1, label="closed form, one zone")
-    axes.set(xlabel="f P_b / Q_0", ylabel="speed of zone edges / c_t", ylim=(0, 2.05))
+    axes.plot(friction[alone], closed[alone], "k--", linewidth=1, label="closed form, one zone")
+    axes.set(xlabel="$f P_b / Q_0$", ylabel="speed of zone edges $/ c_t$", ylim=(0, 2.05))
     axes.legend()
     figure.savefig(folder / "sweep_friction.png", dpi=100)
     scratch = int(swept.from_scratch.sum())

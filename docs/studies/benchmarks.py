@@ -66,7 +66,7 @@ def extrapolated(sheet: Sheet, nodes: int) -> tuple[Fields, dict[str, float]]:
     """Return the limit of runs on so many nodes and on half of them, with its errors."""
     fine, middle, coarse = (sampled(sheet, nodes // parts) for parts in (1, 2, 4))
     limit, before = _limit(sheet, middle, fine), _limit(sheet, coarse, middle)
-    errors = {name: apart(name, before[name], one) for name, one in limit.items()}
+    errors = {name: apart(name, before[name], values) for name, values in limit.items()}
     return limit, {name: max(error, LEAST) for name, error in errors.items()}
 
 
@@ -74,7 +74,7 @@ def _limit(sheet: Sheet, coarse: Fields, fine: Fields) -> Fields:
     """Return what two runs tend to; arrivals, read off within a step, do so at first order."""
     weights = {name: 1 / (2**sheet.order - 1) for name in fine} | {"arrivals": 1.0}
     with np.errstate(invalid="ignore"):  # of arrivals that never come
-        limit = {name: one + weights[name] * (one - coarse[name]) for name, one in fine.items()}
+        limit = {name: item + weights[name] * (item - coarse[name]) for name, item in fine.items()}
     return limit | {"arrivals": np.nan_to_num(limit["arrivals"], nan=math.inf)}
 
 
@@ -94,7 +94,7 @@ def simulated(sheet: Sheet, cells: int) -> Records:
         fields = {name: getattr(done, name) for name in QUANTITIES}
         t = done.interface.t
         stations = [
-            Record(x, t, {name: one(x, t) for name, one in fields.items()}) for x in sheet.stations
+            Record(x, t, {name: at(x, t) for name, at in fields.items()}) for x in sheet.stations
         ]
     else:
         nodes = round(scene.period * cells / sheet.extent)
@@ -113,11 +113,11 @@ def simulated(sheet: Sheet, cells: int) -> Records:
 def bounds(sheet: Sheet) -> dict[str, list[float]]:
     """Measure the classes of a sheet: never a smaller bound on coarser cells."""
     found = [
-        {one.quantity: one.error for one in score(sheet, simulated(sheet, cells))}
+        {result.quantity: result.error for result in score(sheet, simulated(sheet, cells))}
         for cells in CELLS
     ]
-    errors = {name: [_rounded_up(one[name]) for one in found] for name in found[0]}
-    return {name: np.maximum.accumulate(one).tolist() for name, one in errors.items()}
+    errors = {name: [_rounded_up(answer[name]) for answer in found] for name in found[0]}
+    return {name: np.maximum.accumulate(error).tolist() for name, error in errors.items()}
 
 
 def _rounded_up(error: float) -> float:
@@ -130,18 +130,18 @@ def _rounded_up(error: float) -> float:
 def written(fields: Fields, errors: Mapping[str, float]) -> dict[str, Any]:
     """An answer as it is stored: to a tenth of its error, null for what never comes."""
     answers: dict[str, Any] = {}
-    for name, one in fields.items():
+    for name, field in fields.items():
         digits = math.ceil(1 - math.log10(errors[name]))
-        rows = [_shortened(row, digits) for row in np.atleast_2d(one)]
-        answers[name] = rows if one.ndim > 1 else rows[0]
+        rows = [_shortened(row, digits) for row in np.atleast_2d(field)]
+        answers[name] = rows if field.ndim > 1 else rows[0]
     return {
         "answers": answers,
-        "errors": {name: float(f"{one:.2g}") for name, one in errors.items()},
+        "errors": {name: float(f"{error:.2g}") for name, error in errors.items()},
     }
 
 
 def _shortened(row: Array, digits: int) -> list[float | None]:
-    return [float(f"{one:.{digits}g}") if math.isfinite(one) else None for one in row.tolist()]
+    return [float(f"{size:.{digits}g}") if math.isfinite(size) else None for size in row.tolist()]
 
 
 def write(name: str, document: Any, folder: Path = DATA) -> None:
@@ -177,7 +177,7 @@ def main() -> None:
         for sheet in _chosen(options.names, interfaces=True):
             write(f"{sheet.name}.json", written(*extrapolated(sheet, sheet.nodes)))
         return
-    known: dict[str, Any] = {one.name: one.classes for one in sheets().values() if one.classes}
+    known: dict[str, Any] = {item.name: item.classes for item in sheets().values() if item.classes}
     for sheet in _chosen(options.names, interfaces=False):
         known[sheet.name] = bounds(sheet)
     write("classes.json", known)

@@ -262,7 +262,7 @@ def answered(label: str) -> Answer:
 def computed() -> dict[str, Answer]:
     """Return all answers by label, computed on all cores with one thread each."""
     called = labels()
-    done = dict(track(run_tasks([(answered, (one,)) for one in called]), "answers", len(called)))
+    done = dict(track(run_tasks([(answered, (name,)) for name in called]), "answers", len(called)))
     return {label: done[index] for index, label in enumerate(called)}
 
 

@@ -28,7 +28,7 @@ def scene_along(
     touching = sa.Contact() if contact is None else contact
     # where there are slots a scene asks where loads act
     loads = [
-        replace(one, on="line") if isinstance(one, sa.InterfaceLoad) and one.on is None else one
-        for one in ([loads] if isinstance(loads, sa.InterfaceLoad) else loads)
+        replace(load, on="line") if isinstance(load, sa.InterfaceLoad) and load.on is None else load
+        for load in ([loads] if isinstance(loads, sa.InterfaceLoad) else loads)
     ]
     return sa.Scene(material, law, base, loads, period=period, contact=touching, mode=mode, **more)

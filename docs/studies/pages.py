@@ -106,7 +106,7 @@ def read_data(name: str, folder: Path = DATA) -> tuple[str, list[dict[str, str]]
 def _table(block: re.Match[str], folder: Path) -> str:
     """Return the lines of a marked table."""
     _, rows = read_data(block["name"], folder)
-    chosen = [one.strip().split("=", 1) for one in (block["chosen"] or "").split(";") if one]
+    chosen = [term.strip().split("=", 1) for term in (block["chosen"] or "").split(";") if term]
     try:
         shown = [row for row in rows if all(row[column] == value for column, value in chosen)]
         if block["key"]:

@@ -31,7 +31,7 @@ def recovered(seed: int) -> list[list[str | float]]:
         noise = NOISE * float(np.abs(values).max())
         noisy = values + noise * random.standard_normal(len(t))
         gauges.append(sf.Gauge(x, t + LATE, noisy, noise, of, y))
-    true = {**{name: one.value for name, one in numbers_of(scene).items()}, "t0": LATE}
+    true = {**{name: number.value for name, number in numbers_of(scene).items()}, "t0": LATE}
     priors = {name: sf.Uniform(0.7 * true[name], 1.3 * true[name]) for name in NAMES}
     found = sf.fit(gauges, scene, NAMES, priors=priors, nodes=NODES)
     rows = zip(NAMES, found.values.tolist(), found.standard_errors.tolist(), strict=True)

@@ -111,7 +111,7 @@ def computed(
     with progress_bar(console, False, study.name) as progress:
         tasks = [(study.row, points[key]) for key in missing]
         for index, found in run_tasks(tasks, workers, progress):
-            rows = [as_row(one) for one in (found if isinstance(found, list) else [found])]
+            rows = [as_row(entry) for entry in (found if isinstance(found, list) else [found])]
             done[missing[index]] = rows
             journal.parent.mkdir(parents=True, exist_ok=True)
             with journal.open("a", encoding="utf-8") as stream:  # killed, it may end in half a line
@@ -171,12 +171,12 @@ def drawn(rows: Sequence[Row], panels: Sequence[Row], words: str, **common: Any)
     lines, columns = -(-len(panels) // 2), min(2, len(panels))
     figure = describe(new_figure(4.8 * columns, 3.6 * lines + 0.4), words)
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    for one, panel in zip(axes, panels, strict=False):
+    for ax, panel in zip(axes, panels, strict=False):
         chosen = panel.get("where", {}).items()
         shown = [row for row in rows if all(row[name] == value for name, value in chosen)]
         own = {"x", "y", "by", "value", "label", "colours", "style", "failed", "marker"}
-        draw(one, shown, **{name: panel[name] for name in panel.keys() & own})
-        one.set(**{name: panel[name] for name in panel.keys() - own - {"where"}})
+        draw(ax, shown, **{name: panel[name] for name in panel.keys() & own})
+        ax.set(**{name: panel[name] for name in panel.keys() - own - {"where"}})
     for spare in axes[len(panels) :]:
         spare.remove()
     return figure

@@ -147,9 +147,9 @@ def main() -> None:
         packed = subprocess.check_output(["git", "-C", str(ROOT), "archive", options.commit])
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
             archive.extractall(folder, filter="data")
-        with serving(Path(folder)) as one, serving(ROOT) as other:
+        with serving(Path(folder)) as server, serving(ROOT) as other:
             for job in (name for name in JOBS if options.jobs in name):
-                pairs = [(run_job(one, job), run_job(other, job)) for _ in range(JOBS[job][0])]
+                pairs = [(run_job(server, job), run_job(other, job)) for _ in range(JOBS[job][0])]
                 before, now = map(min, zip(*pairs, strict=True))
                 print(f"| {job} | {before:.2g} | {now:.2g} | {now / before:.2f} |", flush=True)
 

@@ -143,7 +143,7 @@ def map_points(quick: bool) -> list[Point]:
     """Return one rupture for each S, the longest, at high S, first."""
     nodes, farthest, count = (8, 12.0, 4) if quick else (16, 100.0, 12)
     strengths = np.linspace(*STRENGTHS, count).tolist()[::-1]
-    return [(one, nodes, farthest, count) for one in strengths]
+    return [(strength, nodes, farthest, count) for strength in strengths]
 
 
 def transition_row(strength: float, farthest: float, coarse: int, fine: int) -> Row:
@@ -181,7 +181,7 @@ STUDIES = [
     Study("supershear", map_points, rupture_rows, figures={"supershear": rupture_figure}),
     Study(
         "supershear-transitions",
-        lambda quick: [(*one, *((16, 32) if quick else (32, 64))) for one in DISTANCES.items()],
+        lambda quick: [(*entry, *((16, 32) if quick else (32, 64))) for entry in DISTANCES.items()],
         transition_row,
     ),
 ]

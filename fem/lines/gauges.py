@@ -78,5 +78,5 @@ class Gauges:
     def history(self, step: float, steps: int) -> GaugeHistory:
         """Return what was recorded up to a level."""
         t = np.asarray(step * np.arange(steps + 1.0))
-        velocity, strain = (np.array(one[: steps + 1]) for one in (self.velocity, self.strain))
+        velocity, strain = (np.array(entry[: steps + 1]) for entry in (self.velocity, self.strain))
         return GaugeHistory(self.points, t, velocity, strain)

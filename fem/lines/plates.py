@@ -78,7 +78,7 @@ def _block(name: str, table: Any) -> Block:
         parts["material"] = find_material(solid) if known else made("material", Material, solid)
     for key in ("preload", "load"):
         sides = checked_table(f"{name}.{key}", parts.get(key, {}))
-        parts[key] = {side: made(side, Tractions, one) for side, one in sides.items()}
+        parts[key] = {side: made(side, Tractions, own) for side, own in sides.items()}
     if "history" in parts:
         parts["history"] = history_from_table(f"{name}.history", parts["history"])
     block: Block = made(name, Block, parts)

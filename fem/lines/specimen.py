@@ -41,7 +41,7 @@ WHOLE = 1e-6
 class Block:
     """A rectangular block of a specimen, on one side of y = 0.
 
-    Sides are "free", "clamped", "roller" (held across, free along), "guided" (free across, held
+    Sides are "free", "clamped", "roller" (fixed across, free along), "guided" (free across, fixed
     along) or "absorbing" (plane waves pass; at rest it is free).
 
     Parameters
@@ -62,7 +62,7 @@ class Block:
     Raises
     ------
     SceneError
-        If it has no height or width, or tractions act where a side is held.
+        If it has no height or width, or tractions act where a side is fixed.
 
     Examples
     --------
@@ -132,7 +132,7 @@ class Specimen:
     gauges : sequence of (x, y)
         Points at which velocity and strain are recorded [length].
     run : mapping
-        End time and size of the squares of a simulation, unless it is asked for others.
+        End time and size of the squares of a simulation, unless others are given.
 
     Raises
     ------
@@ -284,7 +284,7 @@ class Specimen:
         return max(ends)[0], min(end for _, end in ends)
 
     def half_planes(self, size: float | None = None) -> Scene:
-        """Return the scene of half-planes that the specimen is until the bodies' ends are felt.
+        """Return the half-planes that describe the specimen until waves from its ends arrive.
 
         Contact or slot at an end of the joint goes on beyond it; so does what preloads have put in
         place, by statics on squares of a size [length].
@@ -311,15 +311,15 @@ class Specimen:
         )
 
     def felt(self, x: Array) -> Array:
-        """Return when the ends of the bodies are felt at points of the joint (n,) [time].
+        """Return the arrival of waves from the bodies' ends at points of the joint (n,) [time].
 
         First waves run at c_l from loaded slots to a far side and back, or along the joint to its
         ends and back; a slot at such an end sends them at once, unless the sides there let the
-        plane waves of its load pass.  Loads on sides come directly.
+        plane waves of its load pass.  Waves of loads on sides arrive directly.
         """
         x, (left, right) = np.asarray(x, dtype=float), self.joint
         found, acts = np.full(len(x), math.inf), bool(self.load.pressure or self.load.shear)
-        ends = [left, *(one for part in sorted(self.contact.intervals) for one in part), right]
+        ends = [left, *(side for part in sorted(self.contact.intervals) for side in part), right]
         slots = [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if acts and a < b]
         for block in self.blocks:
             speed, sides = block.material.longitudinal_speed, ((left, "left"), (right, "right"))
@@ -340,7 +340,7 @@ class Specimen:
         held = {"guided"} if not self.load.pressure else set()
         held |= {"roller"} if not self.load.shear else set()
         return all(
-            getattr(one, name) == at and getattr(one, f"{name}_side") in held for one in self.blocks
+            getattr(box, name) == at and getattr(box, f"{name}_side") in held for box in self.blocks
         )
 
     def meshed(self, size: float | None, damping: float = DAMPING) -> tuple[Array, list[LineBlock]]:
@@ -349,7 +349,7 @@ class Specimen:
         x, firsts = self.nodes(size)
         blocks = []
         for block, first, sign in zip(self.blocks, firsts, (1.0, -1.0), strict=True):
-            one = LineBlock(
+            entry = LineBlock(
                 material=block.material,
                 columns=round((block.right - block.left) / size) + 1,
                 rows=round(block.height / size),
@@ -359,7 +359,7 @@ class Specimen:
                 first=first,
                 history=block.history,
             )
-            blocks.append(replace(one, load=side_forces(one, block.load, sign)))
+            blocks.append(replace(entry, load=side_forces(entry, block.load, sign)))
         return x, blocks
 
     def in_place(self, x: Array, blocks: list[LineBlock]) -> tuple[Array, Array]:

@@ -51,7 +51,7 @@ class BrokenLaw:
 def largest_breach(profile: PairProfile, slowest: float) -> float:
     """Return the largest violation of the law, over the scale of each quantity; 0 if there is none.
 
-    Points that are slower than the slowest wave by more than a factor of `slowest` are left out.
+    Points of a larger slowness than `slowest` are left out.
     """
     breaches = [np.zeros(1)]
     for part in profile.parts:
@@ -74,7 +74,7 @@ def _points(profile: PairProfile, part: ProfilePart, slowest: float) -> tuple[Ar
     """Return the slownesses of the sampled points of a part, and the functions there."""
     intervals = part.series.intervals
     points = intervals.points
-    used = points.v < slowest * profile.density.interface.compliance.last
+    used = points.v < slowest
     return points.v[used], part.at(points.x[used], points.v[used])
 
 

@@ -194,7 +194,7 @@ def _neighbour(
 
 def border(varied: Varied, name: str) -> str:
     """Return a sentence if neighbours break the law of contact; "" if all obey it."""
-    slowest = 1e6
+    slowest = 1e6 * varied.beside[0].profile.density.interface.compliance.last
     for neighbour, point in zip(varied.beside, _POINTS, strict=True):
         if violations(neighbour.profile, 1e-6, slowest):  # its zones are others
             side = "above" if point > 0 else "below"

@@ -85,7 +85,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         Closed parts that slip, from the contact edge outward, in velocities [length / time].
     openings : tuple of OpenZone
     status : str
-        "converged", or a sentence saying what to distrust.
+        "converged", or a sentence on what is unreliable.
     error_estimate : float
         Estimate, meant as a bound, of the errors of
 
@@ -202,7 +202,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         return PairBodies(self.scene, self.profile.density, self.stress_unit)
 
     def derivative(self, name: str) -> PairDerivative:
-        """Return the derivative of zones and fields with respect to a parameter, all others held.
+        """Return the derivative of zones and fields with respect to one parameter alone.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         Returns
         -------
         PairDerivative
-            Its `status` says where zones are about to change: it then holds to one side only.
+            Its `status` says where zones are about to change: it is then valid on one side only.
 
         Raises
         ------

@@ -1,7 +1,7 @@
-"""Advance a march and its companion from the state they have reached, from jump to jump.
+"""A march under way on its grid, and beside a slot with its companion.
 
-The companion of a march is the same march on half the nodes in half the steps, whose levels are
-every second of the march.  The difference between the two gives the error estimate
+The companion of a march beside a slot is the same march on half the nodes in half the steps, whose
+levels are every second of the march.  The difference between the two gives the error estimate
 (docs/spacetime.md, "Error of a march").  The companion follows a block of steps behind: nothing has
 to be stored for the comparison.  Each of its nodes lies half-way between two nodes of the march.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import repeat
 from typing import Any
@@ -22,40 +22,116 @@ from semianalytic.engine.convergence import Departure
 from semianalytic.engine.estimate import judged
 from semianalytic.engine.loads import table_bytes
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import SlotCheckpoint, state_bytes
-from semianalytic.engine.slot import spans_to, spans_until
-from semianalytic.engine.slot_record import Walk
-from semianalytic.engine.stepping.advance import Span
-from semianalytic.results.memory import check_memory, memory_limit
+from semianalytic.engine.nodes import Checkpoint, ContactGrid, Layout, state_bytes
+from semianalytic.engine.record import Record, checkpoint_at, resumed
+from semianalytic.engine.slot import SlotLine, spans_to, spans_until
+from semianalytic.engine.stepping.advance import Taken, stepped
+from semianalytic.engine.stepping.blocks import block_of
+from semianalytic.engine.stepping.state import State
+from semianalytic.results.memory import check_memory
+from semianalytic.scene.scene import Scene
 
 BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], object]
+Part = tuple[ContactGrid, Layout]
+"""Nodes and layout of a march beside a slot, or of its companion."""
 
 
-def advance(
-    marched: Marched,
-    end_time: float,
-    memory: float | None,
-    setup: float,
-    progress: Progress | None,
-) -> Marched:
-    """Continue a march from the state reached to the end time, with its companion if there is one.
+class Walk:
+    """A march under way on one grid, and its record.
 
     Parameters
     ----------
-    marched : Marched
-        The march to be continued; it is not changed.
+    line : Stepper or SlotLine
+        What is marched.
+    record : Record
+        Its record.
+    end_time, latest : float
+        Time to march to, and up to which the march may go on after that [time].
+    earlier : Marched, optional
+        The march that goes on; it is not changed.
+    """
+
+    def __init__(
+        self, line: Any, record: Record, end_time: float, latest: float, earlier: Marched | None
+    ) -> None:
+        self._line, self.record, self._latest = line, record, latest
+        if earlier is None:
+            self.now = line.jump(line.begin())
+            if self.now.time == record.first:
+                record.begin(self.now)
+        else:
+            self.now = resumed(line, record, earlier)
+        self._spans = line.spans(self.now.time, end_time)
+        self._kept: Checkpoint | None = None
+
+    def steps(self, asked: Callable[[float], bool], block: int | None = None) -> Iterator[Taken]:
+        """Step on until `asked` says so, record steps, and yield them."""
+        for taken in stepped(self._line, self.now, self._spans, asked, self._keep, block):
+            self.record.add(taken)
+            self.now = taken.look(len(taken.times) - 1)
+            yield taken
+
+    def _keep(self, state: State) -> None:
+        self._kept = checkpoint_at(self._line, self.record, state, self._latest)
+
+    def marched(self, nodes: int, stopped: bool = False, **known: Any) -> Marched:
+        """Return the march until the state reached, with what else its checkpoint is to have."""
+        line, record, now = self._line, self.record, self.now
+        if stopped or self._kept is None:
+            self._keep(now)
+        assert self._kept is not None
+        record.end(now)
+        known |= {"end": now, "every": record.every}
+        return Marched(
+            scene=line.scene,
+            nodes=nodes,
+            interface=record.interface,
+            totals=record.totals,
+            seen=record.seen,
+            status="",
+            motion=None if record.motion is None else record.motion.motion(),
+            checkpoint=replace(self._kept, **known),
+        )
+
+
+def advance(
+    scene: Scene,
+    parts: Sequence[Part],
+    end_time: float,
+    every: int,
+    *,
+    memory: float | None,
+    stops: Callable[[float], bool],
+    earlier: Marched | None = None,
+    rtol: float | None = None,
+    setup: float = 0.0,
+) -> Marched:
+    """March beside a slot until an end time, with its companion if there is one.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is marched.
+    parts : sequence of Part
+        Nodes and layout of the march, and of its companion.
     end_time : float
         Time to march to [time].
+    every : int
+        Steps per stored level, at least.
     memory : float, optional
         Memory that the march may take [bytes].
+    stops : function of time
+        Called after each step; the march ends where it has returned True and its companion has a
+        level.
+    earlier : Marched, optional
+        The march that is continued; it is not changed.
+    rtol : float, optional
+        The error that was asked for.
     setup : float
-        Time it took to make the grid and the memory [s], added to the statistics.
-    progress : callable, optional
-        Called with (step, steps) after each step, as in `march`.
+        Time it took to make the grid and the memory [s].
 
     Raises
     ------
@@ -66,74 +142,86 @@ def advance(
     ComputationError
         If values are no longer finite.
     """
-    began, start = time.perf_counter(), marched.checkpoint
-    assert isinstance(start, SlotCheckpoint)
-    # The steps are those of a march until `latest`, wherever it stops and goes on.
-    whole = spans_until(marched)
-    finest, spans = min(span.step for span in whole), spans_to(whole, start.reached.time, end_time)
-    if not spans:  # the end has been reached but for rounding
-        return marched
+    began, (grid, layout) = time.perf_counter(), parts[0]
+    since = layout.begins if earlier is None else earlier.end_time
+    whole = spans_until(scene, grid, layout)
+    spans = spans_to(whole, since, end_time)
+    if earlier is not None and not spans:  # the end has been reached but for rounding
+        return earlier
+    steps = sum(span.steps(max(span.begin, since)) for span in spans)
     # `every` is chosen before the first step, from all memory that the march will need at once.
-    every = affordable_every(marched, memory, spans, finest)
-    walk, behind = Walk(marched, spans, finest, every), None
-    counted, told = 0, False
+    stored = 0 if earlier is None else len(earlier.interface.t)
+    finest = min(span.step for span in whole)
+    every = max(every, affordable_every(scene, parts, steps, finest, stored, memory))
+    walks, first = list[Walk](), layout.begins if scene.front_too_slow else 0.0
+    marches = [earlier, earlier.companion] if earlier is not None else [None] * 2
+    for (nodes, laid), march in zip(parts, marches, strict=False):
+        line = SlotLine(scene, nodes, laid, since)
+        # half of `every`, rounded up, of half the steps: levels lie at about the same times
+        levels = -(-every // laid.stride)
+        record = Record(line, levels, first=first, steps=steps // laid.stride)
+        walks.append(Walk(line, record, end_time, laid.latest, march))
+    counted, told, ended = 0, False, False
 
     def asked(at: float) -> bool:
-        nonlocal counted, told
+        nonlocal counted, told, ended
         counted += 1
-        if progress is not None and not told:
-            told = progress(counted, walk.count) is True
-        return told and counted % 2 == 0  # where the companion has a level
+        told = told or stops(at)
+        ended = told and counted % 2 == 0  # where the companion has a level
+        return ended
 
-    departure, companion, ended = start.departure, marched.companion, False
-    follows: Iterator[bool] = repeat(False)
-    if companion is not None:
-        coarser = [span._replace(step=2 * span.step) for span in spans]
-        # Half of `every`, rounded up, of half the steps: levels lie at about the same times.
-        behind = Walk(companion, coarser, 2 * finest, -(-every // 2), walk.blocks.block // 2)
-        follows = behind.steps(lambda at: ended and at >= walk.blocks.time)
-    for last in walk.steps(asked):
-        ended = last
-        next(follows)
-        if behind is not None:
-            departure = _departure(departure, walk, behind)
-    if behind is not None:
-        companion = behind.reached()
+    block, walk, companion = block_of(grid.size), walks[0], None
+    follows: Iterator[Any] = repeat(None)
+    if len(walks) > 1:
+        follows = walks[1].steps(lambda at: ended and at >= walk.now.time, block // 2)
+    before = {} if earlier is None else earlier.checkpoint.seconds
+    departure = Departure() if earlier is None else earlier.checkpoint.departure
+    for taken in walk.steps(asked, block):
+        other = next(follows)
+        if other is not None:
+            departure = _departure(departure, taken, other, grid, parts[1][0])
+    if len(walks) > 1:
+        companion = walks[1].marched(parts[1][0].observed)
     seconds = {"setup": setup, "steps": time.perf_counter() - began}
-    taken = {name: more + seconds[name] for name, more in start.seconds.items()}
-    reached = walk.reached(departure=departure, seconds=taken)
+    seconds = {name: before.get(name, 0.0) + more for name, more in seconds.items()}
+    reached = walk.marched(grid.observed, rtol=rtol, departure=departure, seconds=seconds)
     return judged(replace(reached, companion=companion))
 
 
-def _departure(before: Departure, walk: Walk, behind: Walk) -> Departure:
+def _departure(
+    before: Departure, taken: Taken, other: Taken, grid: ContactGrid, coarse: ContactGrid
+) -> Departure:
     """Return a departure with the last block of a march and its companion, by the trapezoidal rule.
 
     Companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march.
     """
-    coarse, slot = behind.grid, walk.grid.slot
-    own = coarse.observe(behind.blocks.levels[0])
-    contact = walk.blocks.levels[0][::2, slot : slot + 2 * coarse.observed]
+    own, contact = other.rates[:, coarse.shown], taken.rates[::2, grid.slot :]
+    contact = contact[:, : 2 * coarse.observed]
     rates = (contact[:, ::2] + contact[:, 1::2]) / 2
-    times = behind.blocks.times
     return Departure(
         *(
-            value + coarse.spacing * float(np.trapezoid(np.abs(field).sum(axis=1), times))
+            value + coarse.spacing * float(np.trapezoid(np.abs(field).sum(axis=1), other.times))
             for value, field in ((before.difference, rates - own), (before.slip_rate, rates))
         )
     )
 
 
-def affordable_every(marched: Any, memory: float | None, spans: list[Span], finest: float) -> int:
-    """Return `every`, raised until the stored levels fit into the memory.
+def affordable_every(
+    scene: Scene,
+    parts: Sequence[Part],
+    steps: int,
+    finest: float,
+    stored: int,
+    memory: float | None,
+) -> int:
+    """Return how many steps a stored level must have for the levels to fit into the memory.
 
     Parameters
     ----------
-    marched : Marched
-        The march to be continued; its companion is counted too.
-    memory : float or None
-        Memory that the march may take [bytes].
-    spans : list of Span
-        The steps that are to come.
+    scene, parts, memory
+        As of `advance`.
+    steps, stored : int
+        Steps that are to come, and levels that are stored.
     finest : float
         Shortest step of the whole march [time].
 
@@ -142,35 +230,24 @@ def affordable_every(marched: Any, memory: float | None, spans: list[Span], fine
     SceneError
         If the march does not fit even without storing anything.
     """
-    both = [march for march in (marched, marched.companion) if march is not None]
-    reached, size = marched.checkpoint.reached.time, marched.checkpoint.grid.size
-    steps = sum(span.steps(max(span.begin, reached)) for span in spans)
-    table = sum(_table_bytes(march, at * finest) for at, march in enumerate(both, 1))
-    state = sum(_state_bytes(march) for march in both)
-    per_level = sum(march.nodes * BYTES_STORED for march in both)
-    earlier = sum(len(march.interface.t) * march.nodes * BYTES_STORED for march in both)
-    sums = len(both) * steps * 96  # for times, loads and totals
-    fixed = int(state + table + sums + earlier + 16 * per_level)  # at least 16 levels must fit
-    check_memory(
+    state, table, per_level = 0.0, 0.0, 0
+    for grid, layout in parts:
+        own = state_bytes(grid.size, len(layout.kernel.poles))
+        state, per_level = state + own, per_level + grid.observed * BYTES_STORED
+        # the pressure table of a march, or its march of pressure
+        if scene.front_slowness and scene.superposition.taken_off.pressure:
+            table += own
+        else:
+            taken = layout.latest / (layout.stride * finest)
+            table += table_bytes(scene, grid.size - grid.slot, taken)
+    sums = len(parts) * steps * 96  # for times, loads and totals
+    fixed = int(state + table + sums + (stored + 16) * per_level)  # at least 16 levels must fit
+    allowed = check_memory(
         fixed,
         memory,
-        f"march: {steps:.6g} steps of {size} nodes",
+        f"march: {steps:.6g} steps of {parts[0][0].size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
     # `fixed` has room for 16 levels already, which leaves one level more as a margin.
-    levels = (memory_limit(memory) - fixed) // per_level + 1
-    return max(marched.checkpoint.every, math.ceil(steps / levels))
-
-
-def _table_bytes(marched: Any, finest: float) -> float:
-    """Return the size of the pressure table of a march, or of its march of pressure [bytes]."""
-    if marched.scene.front_slowness and marched.scene.superposition.taken_off.pressure:
-        return _state_bytes(marched)
-    start = marched.checkpoint
-    contact = start.grid.size - start.grid.slot
-    return table_bytes(marched.scene, contact, start.latest / finest)
-
-
-def _state_bytes(marched: Any) -> int:
-    """Return the memory that a march needs for its state [bytes]."""
-    return state_bytes(marched.checkpoint.grid.size, len(marched.checkpoint.memory.poles))
+    levels = (allowed - fixed) // per_level + 1
+    return math.ceil(steps / levels)

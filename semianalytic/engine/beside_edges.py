@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.grid_edge import (
@@ -154,7 +155,39 @@ class EdgeNodes:
                 first, second = self._at(name), getattr(known, name)[:, self._second]
                 more = film_error(first, second, slope, self._done.scene.impedance)
                 found[name] = found.get(name, 0.0) + more
-        return {name: float(errors.sum()) for name, errors in found.items()}
+        of_zones = self._of_zone_ends
+        return {
+            name: float(errors.sum()) + of_zones.get(name, 0.0) for name, errors in found.items()
+        }
+
+    @cached_property
+    def _of_zone_ends(self) -> dict[str, float]:
+        """Errors at the ends of slip zones under a film, summed over ends and frames.
+
+        The node there slips by the mean of the excess over 1.5 node distances (`area_means`): where
+        the excess is e and changes by r over half of that, by (e + r)^2 / (4 r) for max(e, 0).  A
+        film keeps that local: the traction of the slip that is too much is that of a stuck line,
+        |k| / (2 C) for a wavenumber k, whose absolute sum over nodes is pi / (2 C h).
+        """
+        slope, known = self._law.steady_slope(), self._done.interface
+        if slope is None or not np.any(slope):
+            return {}
+        impedance, found = self._done.scene.impedance, dict[str, float]()
+        beside = np.diff(np.flatnonzero(self._on)) == 1
+        slips = known.slip_rate[:, self._on] != 0
+        ends = (slips[:, 1:] != slips[:, :-1]) & beside
+        share = np.broadcast_to(slope / (slope + impedance), len(self._law_x))[1:]
+        for name in ("slip", "slip_rate"):
+            values = np.abs(getattr(known, name)[:, self._on])
+            steps = np.pad(np.abs(np.diff(values, axis=1)) * beside, ((0, 0), (2, 2)))
+            reach = 0.75 * sliding_window_view(steps, 5, axis=1).max(axis=-1)
+            mean = np.where(slips[:, 1:], values[:, 1:], values[:, :-1])
+            excess = np.maximum(2 * np.sqrt(reach * mean) - reach, 0.0)
+            found[name] = float((share * (mean - excess))[ends & (mean < reach)].sum())
+        compliance = self._compliance(self._done.scene.mode != "antiplane")
+        of_slip = np.pi / (2 * self._spacing * compliance) * found["slip"]
+        found["shear_traction"] = of_slip + impedance * found["slip_rate"]
+        return found
 
     @cached_property
     def missed_slip(self) -> tuple[float, float]:

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from semianalytic.engine.beside_edges import EdgeNodes, film_share
 from semianalytic.engine.convergence import MEMORY_SAFETY, NARROW, Tried, order_seen, safety
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import SlotCheckpoint
 from semianalytic.engine.resolution import missed_zone, rounded_up
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
@@ -69,7 +68,7 @@ def estimated(
         pairs = (values[:, ::2] + values[:, 1::2]) / 2 if between else values[:, ::2]
         return np.asarray(pairs[:, touching])
 
-    base = thinned(sampled("run: shear", scene.base.shear, known.x, spacing)[None])
+    base = thinned(sampled("scene: shear", scene.base.shear, known.x, spacing)[None])
     beside = EdgeNodes(done)
     rates = np.concatenate([thinned(known.slip_rate), coarse.interface.slip_rate[:, touching]])
     zones = _zones(np.abs(thinned(known.slip)).sum(axis=0), rates.any(axis=0))
@@ -212,13 +211,12 @@ def judged(marched: Marched) -> Marched:
     return replace(marched, caution=caution, status="unresolved" if caution else "resolved")
 
 
-def _slot_error(marched: Marched) -> float:
+def _slot_error(marched: Any) -> float:
     """Return 1.25 times the difference of march and companion, over the slip rate.
 
     It is less if a higher than the first order was seen.
     """
     known = marched.checkpoint
-    assert isinstance(known, SlotCheckpoint)
     apart = known.departure
     # Without slip the ratio is 0 / 0.  That is no error where the edge sticks in the continuum as
     # well, and a total one where K_II exceeds f K_I and the grid misses the zone.
@@ -226,7 +224,7 @@ def _slot_error(marched: Marched) -> float:
         return math.inf if apart.difference or missed_zone(marched) is not None else 0.0
     # Both marches share the error of the memory's transform, which their difference does not show.
     factor, companion = safety(known.order), marched.companion
-    of_grids = factor * apart.share + MEMORY_SAFETY * known.memory.error
+    of_grids = factor * apart.share + MEMORY_SAFETY * known.layout.kernel.error
     # Errors are relative to the true slip rate, which is less than that of the march by about as
     # much, with the same factor, as the companion slips more.
     marches = (marched, companion or marched)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.loads import FreeFaces, front_of
-from semianalytic.engine.nodes import ContactGrid
+from semianalytic.engine.nodes import ContactGrid, Layout
 from semianalytic.engine.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
@@ -33,40 +33,40 @@ MARGIN = 1.05
 def bodies_beside_slot(marched: Any) -> MarchedBodies:
     """Return the bodies of a march beside a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
-    start = marched.checkpoint
-    if start.entry and not scene.front_too_slow:  # no wave comes from where the load begins
-        entry = (1 + MARGIN) * start.entry
-        start = replace(start, entry=entry, begins=-scene.front_slowness * entry)
-        marched = replace(marched, checkpoint=start)
-    grid = _longer(marched)
-    front = front_of(scene, grid, start.entry) if scene.front_slowness else None
-    slip = _moved(marched, FreeFaces(marched, grid, "shear", front, _slip(marched)))
+    # of a companion too the steps are those that suit its own nodes
+    layout = replace(marched.checkpoint.layout, stride=1)
+    if layout.entry and not scene.front_too_slow:  # no wave comes from where the load begins
+        entry = (1 + MARGIN) * layout.entry
+        layout = replace(layout, entry=entry, begins=-scene.front_slowness * entry)
+    grid = _longer(marched, layout)
+    front = front_of(scene, grid, layout.entry) if scene.front_slowness else None
+    known = scene, grid, layout
+    slip = _moved(marched, layout, FreeFaces(*known, "shear", front, _slip(marched)))
     opening = np.zeros((len(slip.slip), 0), np.float32)
     if scene.superposition.taken_off.pressure:
-        opening = -_moved(marched, FreeFaces(marched, grid, "pressure", front)).slip
+        opening = -_moved(marched, layout, FreeFaces(*known, "pressure", front)).slip
     both = (np.concatenate([half[:, ::-1], half], axis=1) for half in (slip.slip, opening))
     motion, spacing = Motion(slip.t, *both), grid.spacing
     first, centre = (0.5 - grid.slot - grid.size) * spacing, -grid.slot * spacing
     edges = tuple(singular_edges(scene, motion, first, spacing))
     far = MARGIN * speed * marched.end_time
-    known = marched.interface.x
-    ends = (-far, (grid.size - grid.slot) * spacing), spacing, float(known[-1] + known[0])
+    x = marched.interface.x
+    ends = (-far, (grid.size - grid.slot) * spacing), spacing, float(x[-1] + x[0])
     return MarchedBodies(scene, motion, first, spacing, edges, centre, *ends)
 
 
-def _longer(marched: Any) -> ContactGrid:
+def _longer(marched: Any, layout: Layout) -> ContactGrid:
     """Return the nodes of a march with a slot so long that no mirror image is seen behind it."""
     from scipy.fft import next_fast_len
 
-    scene, start, end = marched.scene, marched.checkpoint, marched.end_time
-    grid = start.grid
+    scene, grid, end = marched.scene, marched.checkpoint.grid, marched.end_time
     speed = scene.fastest_speed
     length = (1 + MARGIN) / 2 * speed * end
     if scene.front_slowness < 0:  # a front that outruns the waves meets its mirror image
         length = max(length, (1 + MARGIN) * end / (1 / speed - scene.front_slowness))
-    elif start.entry:
-        lasts = scene.front_too_slow * speed * (end - start.begins)
-        length = max(length, start.entry + lasts)
+    elif layout.entry:
+        lasts = scene.front_too_slow * speed * (end - layout.begins)
+        length = max(length, layout.entry + lasts)
     contact = grid.size - grid.slot
     slot = max(grid.slot, math.ceil(length / grid.spacing) + 8)
     size = next_fast_len(contact + slot, real=True)
@@ -95,13 +95,14 @@ def _slip(marched: Any) -> Callable[[Array, bool], Array]:
     return given
 
 
-def _moved(marched: Any, line: FreeFaces) -> Motion:
+def _moved(marched: Any, layout: Layout, line: FreeFaces) -> Motion:
     """Return the motion of a line from the beginning of its load until the end of a march."""
-    rest, begins = np.zeros(line.grid.nodes // 2), marched.checkpoint.begins
+    rest, begins = np.zeros(line.grid.nodes // 2), layout.begins
     none = rest[line.kept]
     line.jumps = marched.scene.jumps
     blocks = EqualSteps(line, Reached(begins, rest, none, none, none, none))
-    spans = spans_to(spans_until(marched), begins, marched.end_time)
+    whole = spans_until(marched.scene, marched.checkpoint.grid, layout)
+    spans = spans_to(whole, begins, marched.end_time)
     record = MotionRecord(begins)
     blocks.jump(line.after(begins, spans[0].step))
     for _ in through(line, blocks, spans, lambda _: False):

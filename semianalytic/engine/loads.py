@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.nodes import ContactGrid
+from semianalytic.engine.nodes import ContactGrid, Layout
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
 from semianalytic.engine.stepping.fronts import ActingFront
@@ -233,10 +233,12 @@ class FreeFaces(ClosedLine):
 
     Parameters
     ----------
-    marched : Marched
-        Scene, memory and damping.
+    scene : Scene
+        What is marched.
     nodes : ContactGrid
         Nodes, also those of a longer slot than that of the march.
+    layout : Layout
+        Memory and damping.
     name : {"pressure", "shear"}
         The quantity of the load: rates are those at which the slot closes, or slips.
     front : Front, optional
@@ -249,15 +251,15 @@ class FreeFaces(ClosedLine):
 
     def __init__(
         self,
-        marched: Any,
+        scene: Scene,
         nodes: ContactGrid,
+        layout: Layout,
         name: Literal["pressure", "shear"],
         front: Front | None,
         given: Callable[[Array, bool], Array] | None = None,
     ) -> None:
-        scene, solid, start = marched.scene, marched.scene.material, marched.checkpoint
-        kernel = start.memory
-        self.grid, self.kept, self.damping = nodes.line, nodes.contact, start.damping
+        solid, kernel = scene.material, layout.kernel
+        self.grid, self.kept, self.damping = nodes.line, nodes.contact, layout.damping
         self.speed, self.impedance = solid.shear_speed, solid.shear_impedance / 2
         self.jumps: Sequence[float] = ()
         if name == "pressure":
@@ -312,24 +314,30 @@ class FrontPressure(FreeFaces):
 
     Parameters
     ----------
-    marched : Marched
-        Scene, nodes and memory, and the time from which pressures are asked for.
+    scene, nodes, layout
+        As of `FreeFaces`.
     front : Front
         The load at the nodes.
     step : float
-        Largest time step before that time [time].
+        Largest time step before the time [time] from which pressures are asked for, `since`.
     """
 
-    def __init__(self, marched: Any, front: Front, step: float) -> None:
-        start = marched.checkpoint
-        nodes = start.grid
-        super().__init__(marched, nodes, "pressure", front)
+    def __init__(
+        self,
+        scene: Scene,
+        nodes: ContactGrid,
+        layout: Layout,
+        front: Front,
+        step: float,
+        since: float,
+    ) -> None:
+        super().__init__(scene, nodes, layout, "pressure", front)
         none = np.zeros(nodes.size - nodes.slot)
-        begun = Reached(start.begins, np.zeros(nodes.size), none, none, none, none)
+        begun = Reached(layout.begins, np.zeros(nodes.size), none, none, none, none)
         self._blocks = EqualSteps(self, begun)
-        self._blocks.jump(self.after(start.begins, step))
-        if start.reached.time > start.begins:
-            until = [Span(start.begins, start.reached.time, step)]
+        self._blocks.jump(self.after(layout.begins, step))
+        if since > layout.begins:
+            until = [Span(layout.begins, since, step)]
             for _ in through(self, self._blocks, until, lambda time: False):
                 pass
 

@@ -1,59 +1,51 @@
 """Slip under any load history: the interface alone is marched in time on a spectral grid.
 
-The grid is long enough that no wave from x = 0 returns from a mirror at its ends to the observed
-length before the latest time.  Jumps of the loads fall on time levels; between them a level takes
-the load at its time, or the exact mean over a step that contains several samples of a table.  Loads
-that turn faster than the grid can follow are refused (`resolution`).  The steps are those of
-`stepping.blocks`.
+Beside a slot the grid is half of a line that is even about its ends, so long that no wave from
+x = 0 returns from a mirror to the observed length before the latest time; along a line it is one
+period (`plan`).  Jumps of the loads fall on time levels; between them a level takes the load
+at its time, or the exact mean over a step that contains several samples of a table.  Loads that
+turn faster than the grid can follow are refused, or make the march unresolved.
 """
 
 from __future__ import annotations
 
+import inspect
 import logging
 import math
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from os import PathLike
 from typing import Any
 
-from semianalytic.engine import plan
-from semianalytic.engine.advancing import advance
-from semianalytic.engine.convergence import Tried, more_nodes, order_seen
-from semianalytic.engine.estimate import judged
-from semianalytic.engine.loads import TOLERANCES
+from semianalytic.engine.convergence import more_nodes, order_seen
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import SlotCheckpoint, check_size
-from semianalytic.engine.run import run
-from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
-from semianalytic.engine.stepping.tuning import MOST_NODES as MOST_LINE_NODES
-from semianalytic.engine.stepping.tuning import STEP_RATIO
-from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
-from semianalytic.scene.contact import process_zone, wave_slips_ahead
+from semianalytic.engine.plan import Asked, along_line, beside_slot, check_going_on, checked_within
+from semianalytic.engine.stepping.tuning import MOST_NODES, STEP_RATIO
+from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.arguments import taking_quantities
+from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import SceneError, TensionError
-from semianalytic.scene.given.finding import of_scene, scene_of_one_solid
+from semianalytic.scene.given.finding import any_scene, scene_of_one_solid
 from semianalytic.scene.scene import Scene
-
-TOLERANCE = 1e-6
-"""Default tolerance of the memory's transform: for 1024 nodes as good as 1e-10."""
-
-DAMPING, WEAKENING_DAMPING = 0.6, 0.7
-"""Default least feedback of the shortest wave, and that under slip weakening.
-
-Without any, small steps leave an odd-even mode.  With 0.5 slip weakening is 1.4 times less exact;
-0.7 instead of 0.6 makes pulses 3 % less exact.
-"""
 
 LINE_NODES = 500
 """Nodes on the contact that waves reach of a scene that opens; `lift-off` is .2 % off, in 1 s."""
-
 _log = logging.getLogger(__name__)
+
+
+def settings_of(scene: Scene) -> list[str]:
+    """Return the settings of `march` that it takes for a scene, by name."""
+    common = list(inspect.signature(march).parameters)[1:-1]
+    if scene.on_line:
+        of_steps = ["sweeps", "tolerance", "state_share", "bound_share", "longest"]
+        return [*common, "frames", "times", "slipping", *of_steps]
+    return [*common, "length", "damping", "tolerance", "memory", "entry"]
 
 
 def refuses(scene: Scene) -> str | None:
     """Return why a scene is not marched unless that is asked for, or None."""
-    if not scene.is_step:
+    if scene.on_line or not scene.is_step:
         return None
     try:
         scene.check_front()
@@ -65,80 +57,96 @@ def refuses(scene: Scene) -> str | None:
     return None
 
 
-@of_scene
 def march(
     scene: Scene | str | PathLike[str],
     end_time: float | None = None,
     nodes: int | None = None,
     *,
     rtol: float | None = None,
-    length: float | None = None,
-    latest: float | None = None,
     estimate: bool = True,
     step_ratio: float = STEP_RATIO,
-    damping: float | None = None,
     every: int = 1,
-    tolerance: float = TOLERANCE,
-    memory: float | None = None,
-    entry: float | None = None,
+    latest: float | None = None,
     go_on: Marched | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Callable[[float, float], object] | None = None,
+    **settings: Any,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
 
-    The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
-    (docs/theory.md, "Any load history").  A march needs 128 bytes per pole (about 25) and grid node
-    (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
-    pressure that oscillates), and half as much again for the companion.  Its time grows like
-    nodes^2.
+    The method is described in docs/spacetime.md and docs/engine.md; its equation is (4.40) with the
+    right sign (docs/theory.md, "Any load history").  Beside a slot steps are equal.  Along a line
+    they are as long as friction and convergence allow: shortest in an event, up to a million times
+    longer between events.  A second march on half the nodes gives the error estimates.  Ctrl-C ends
+    a march early and returns what was computed until then.
+
+    Beside a slot a march needs 128 bytes per pole (about 25) and grid node (about 1.5 per contact
+    node), 32 bytes per stored node and level (see `GridPressure` for pressure that oscillates), and
+    half as much again for its companion.  Its time grows like nodes^2.
 
     Parameters
     ----------
     scene : Scene, str or path
-        Material, friction law, tractions and load histories, or a name or file as for `find`.
+        The scene to march, or its name or file as for `find`.
     end_time : float, optional
-        T [time]; by default the time a shear wave takes over a length of 1.
+        Last time [time]; beside a slot by default the time a shear wave takes over a length of 1.
     nodes : int, optional
-        Contact nodes on 0 < x < length, at least 16.  The default is 1000, or up to 8000 where the
-        loads, the slip zone at the edge or slip weakening need them.
+        Beside a slot contact nodes on 0 < x < length, at least 16; by default 1000, or up to 8000
+        where the loads, the slip zone at the edge or slip weakening need them.  Along a line nodes
+        of one period, a multiple of 4; by default 512, or as many as the histories of loads and the
+        narrowest contact or slot need, and up to twice as many, so that ends of contacts lie midway
+        between nodes or close to it.  The grid is moved to have them there (`Marched.shift`) unless
+        the interface is even; what it displaces still counts as error (`Marched.caution`).
     rtol : float, optional
-        Largest acceptable `Marched.error_estimate`; excludes `nodes`.  The scene is marched on more
-        and more nodes until the estimate is small enough, and the last march is returned.  It has
-        at most 8000 nodes, and is "unresolved" if these are not enough.
-    length : float, optional
-        Length of the contact that is observed [length]; by default the distance that waves reach,
-        c_l T (c_t T under antiplane shear alone).
-    latest : float, optional
-        Time to which the march may be continued (`go_on`) [time]; end_time unless given.  The grid
-        and the steps are made for it, so that a march before it ends with the step that reaches
-        its end time, and the continued march is the one march.
+        Largest acceptable `Marched.error_estimate` beside a slot, and error of slip and gap along a
+        line.  The scene is marched on more and more nodes, as many as the order of convergence asks
+        for, up to 8000 beside a slot and 16,384 along a line, and is "unresolved" if these are not
+        enough.  Beside a slot it excludes `nodes`.
     estimate : bool
-        Whether to march a companion on half the nodes and in half the steps, for the error
-        estimate; it takes a quarter to a third more time from 1000 nodes on, half below.
+        Whether to march on half the nodes as well, for the error estimates; beside a slot it takes
+        a quarter to a third more time from 1000 nodes on, half below.
     step_ratio : float
-        Largest c_t dt / h; stable below about 0.57 (nu near 0.5) to 0.7 (nu = 1/3) and more.
-    damping : float, optional
-        Least feedback of the shortest wave, 0 (none) ... 0.95; by default 0.7 under friction that
-        falls with slip, and 0.6 otherwise.
+        Shortest step c_t dt / h; stable below about 0.5 (nu near 0.5) to 0.65 (nu = 1/3) and more.
     every : int
-        Store every n-th time level; the last is always stored.  The number is raised if the stored
-        levels do not fit into the memory.
+        Store every n-th time level; the last is always stored.  It is raised if the stored levels
+        beside a slot do not fit into the memory, and doubled along a line if they exceed `frames`.
+    latest : float, optional
+        Time to which the march may be continued (`go_on`) [time]; end_time unless given.  Grid,
+        steps and memory are made for it.
+    go_on : Marched, optional
+        March of this scene that is continued to the end time; it is not changed.  Beside a slot it
+        keeps its grid and steps, and ends at the latest possible time by default.  Along a line the
+        last step, which was cut to end there, is taken anew.  The result is that of a march which
+        was not interrupted, along a line to the last bit.
+    progress : callable, optional
+        Called with time and end time after each step of a march, not of its companion; if it
+        returns True the march ends there, beside a slot one step later where its companion has no
+        level, and may be continued.
+    length : float, optional
+        Beside a slot, length of the contact that is observed [length]; by default the distance that
+        waves reach, c_l T (c_t T under antiplane shear alone).
+    damping : float, optional
+        Beside a slot, least feedback of the shortest wave, 0 (none) ... 0.95; by default 0.7 under
+        friction that falls with slip, and 0.6 otherwise.
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
-        Memory that the march may take [bytes]; by default 70 % of what the machine has available.
+        Beside a slot, memory that the march may take [bytes]; by default 70 % of what the machine
+        has available.
     entry : float, optional
-        Distance from the tip at which a load that comes along the slot begins [length].  By default
-        it is so long that no wave from the beginning matters until `latest`.  If the front is no
-        faster than the first wave, there is no such length, the answer depends on it, and the
-        default is `length`; times then begin before 0, where the front reaches the tip.
-    go_on : Marched, optional
-        March of this scene that is continued to the end time, by default the latest possible, on
-        its own grid and in its own steps; it is not changed.
-    progress : callable, optional
-        Called with (step, steps) after each step of a march, not of its companion; if it returns
-        True the march ends there, or one step later where its companion has a level, and may be
-        continued.  With `rtol` each march counts its own steps.
+        Beside a slot, distance from the tip at which a load that comes along it begins [length].
+        By default it is so long that no wave from the beginning matters until `latest`.  If the
+        front is no faster than the first wave, there is no such length, the answer depends on it,
+        and the default is `length`; times then begin before 0, where the front reaches the tip.
+    frames : int
+        Along a line, the largest number of stored levels, 400 by default.
+    times : sequence of float, optional
+        Along a line, times at which fields are stored instead [time].
+    slipping : float, optional
+        Along a line, |slip rate| beyond which slip has begun [length / time].  By default it is 0
+        for laws that stick, and a thousandth of the largest pressure over the impedance for
+        rate-and-state friction, which always slips.
+    sweeps, state_share, bound_share, longest
+        Along a line, those of `Stepper`.
 
     Returns
     -------
@@ -154,7 +162,7 @@ def march(
         resolve the loads or sees nothing of slip weakening, or the march would take more memory
         than it may.
     TensionError
-        If the pressure turns tensile at a node.
+        If the pressure beside a slot turns tensile at a node.
     ComputationError
         If the memory cannot be fitted or values are no longer finite.
 
@@ -177,86 +185,79 @@ def march(
     >>> part = solve(scene, end_time=2e-5, nodes=128, latest=3e-5)
     >>> solve(scene, end_time=3e-5, go_on=part).end_time
     3e-05
+
+    On a fault that is pushed everywhere:
+
+    >>> import semianalytic as sf
+    >>> law = sf.RateAndState(a=0.01, b=0.006, f0=0.6, v0=1e-6, distance=1e-5)
+    >>> rock = sf.Material(shear_modulus=30e9, density=2700.0, poisson_ratio=0.25)
+    >>> pushed = sf.InterfaceLoad(lambda x: 2e5 * (abs(x) < 1), history=lambda t: t)
+    >>> base, everywhere = sf.Tractions(1e6, 0.6e6), sf.Contact()
+    >>> fault = sf.Scene(rock, law, base, pushed, contact=everywhere, period=8.0, rate=1e-6)
+    >>> slow = sf.solve(fault, end_time=0.5, nodes=32)
+    >>> bool(slow.max_slip(0.5) > 2e-6), slow.status
+    (True, 'done')
     """
-    scene = scene_of_one_solid("march", scene)
+    scene = any_scene("march", scene)
+    given = {name: value for name, value in settings.items() if value is not None}
+    if rtol is not None:
+        rtol = checked_within("rtol", rtol, 0.0, 1.0)
+        if not estimate:
+            raise SceneError("march: `rtol` needs the estimate; leave `estimate` out.")
     if go_on is not None:
-        given = {"nodes": nodes, "rtol": rtol, "length": length, "latest": latest, "entry": entry}
-        for name in (name for name, value in given.items() if value is not None):
-            raise SceneError(f"march: a continued march keeps its grid; leave out `{name}`.")
-        return _continued(go_on, scene, end_time, memory, progress)
+        end_time = go_on.checkpoint.latest if end_time is None else end_time
+    elif end_time is None and scene.on_line:
+        raise SceneError("solve: the scene does not say how long it is marched; give end_time.")
     # By default a march lasts until a shear wave has travelled a length of 1 in the scene's units.
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
-    length = scene.fastest_speed * end_time if length is None else length
-    length = checked_size("march: length", length, "be above 0")
-    latest = end_time if latest is None else latest
-    # The range is open below, and `latest` may equal the end time: hence the next smaller number.
-    latest = _check_range("latest", latest, math.nextafter(end_time, 0.0))
-    # The feedback refuses 0.5 to 0.7 or more, by Poisson ratio.
-    step_ratio = _check_range("step_ratio", step_ratio, 0.0, 2.0)
-    if damping is None:
-        damping = WEAKENING_DAMPING if process_zone(scene) < math.inf else DAMPING
-    damping = checked_number(
-        "march: damping",
-        damping,
-        "lie between 0 and 0.95",
-        lambda given: 0 <= given <= LARGEST_FEEDBACK,
+    if go_on is not None and scene.on_line and scene.period == math.inf:
+        scene = replace(scene, period=go_on.scene.period)
+    asked = Asked(
+        end_time=end_time,
+        nodes=nodes,
+        rtol=rtol,
+        estimate=estimate,
+        step_ratio=checked_size("march: step_ratio", step_ratio, "be above 0"),
+        every=checked_count("march: every", every, 1, "a whole number of at least"),
+        latest=latest,
+        go_on=go_on,
     )
-    tolerance = _check_range("tolerance", tolerance, *TOLERANCES)
-    if nodes is not None:
-        nodes = checked_count("march: nodes", nodes, plan.LEAST_NODES, "a whole number from")
-    every = checked_count("march: every", every, 1, "a whole number from")
-    if rtol is not None:
-        rtol = _check_range("rtol", rtol, 0.0, 1.0)
-        if nodes is not None:
-            raise SceneError("march: `rtol` chooses the nodes; leave out `nodes`, or `rtol`.")
-        if not estimate:
-            raise SceneError("march: `rtol` needs the estimate; leave `estimate` out.")
-    entry = plan.checked_entry(scene, latest, length, entry)
-    slowness = scene.front_slowness  # a wave that meets the contact first is all over it before
-    if slowness < 0 and wave_slips_ahead(scene, latest + length * abs(slowness)):
-        raise SceneError(
-            "march: the wave alone exceeds friction, so that the contact slips from its front "
-            "on, before anything comes from the slot; lower the wave, or raise friction or the "
-            "base pressure (docs/limits.md)."
-        )
-    options: dict[str, Any] = {
-        "latest": latest,
-        "step_ratio": step_ratio,
-        "damping": damping,
-        "every": every,
-    }
-    options |= {"rtol": rtol, "entry": entry}
+    if go_on is not None:
+        check_going_on(scene, go_on, asked, given)
+    told = False
+    with deferred_interrupt() as interruption:
 
-    def computed(count: int) -> Marched:
-        started = time.perf_counter()
-        check_size(scene, latest, length, count, memory, estimate, entry)
-        rest = plan.at_rest(scene, count, length, tolerance, estimate, **options)
-        return advance(rest, end_time, memory, time.perf_counter() - started, progress)
+        def stops(time: float) -> bool:
+            nonlocal told
+            told = told or (progress is not None and bool(progress(time, end_time)))
+            told = told or interruption.pressed
+            return told
 
-    # 1000 nodes: the slip rate of `preloaded` is then off by 0.007 %, in 0.3 s.  With 250, the
-    # first for an rtol, it is off by 0.6 %, in 0.05 s.
-    least = 1000 if rtol is None else 250
-    check_size(scene, latest, length, nodes or least, memory, estimate, entry)
-    count, coarser = plan.enough_nodes(scene, end_time, length, nodes, least, options), None
-    while True:
-        marched, most = computed(count), plan.MOST_NODES
-        done = rtol is None or marched.end_time < end_time
-        assert isinstance(marched.checkpoint, SlotCheckpoint)
-        tried, order = Tried(count, marched.checkpoint.departure.share), None
-        if coarser is not None and not done:
-            order = order_seen(coarser, tried)
-            marched = judged(replace(marched, checkpoint=replace(marched.checkpoint, order=order)))
-        if rtol is None or done or count >= most or (error := marched.error_estimate) <= rtol:
-            break
-        count, coarser = more_nodes(count, error, rtol, order, most), tried
+        if scene.on_line:
+            plan = along_line(scene, asked, given, stops, lambda _: interruption.pressed)
+        else:
+            plan = beside_slot(scene_of_one_solid("march", scene), asked, given, stops)
+        count, coarser = plan.nodes, None
+        while True:
+            marched, tried = plan.march(count, coarser)
+            if rtol is None or go_on is not None or told or tried is None or count >= plan.most:
+                break
+            if (error := plan.error(marched)) <= rtol:
+                break
+            order = None if coarser is None else order_seen(coarser, tried)
+            least = more_nodes(count, error, rtol, order, plan.most)
+            count, coarser = plan.fitting(least), tried
+    if told and marched.end_time < end_time:
+        marched = replace(marched, status=f"interrupted at t = {marched.end_time:.6g}")
     _log.debug("march: %r", marched)
     return marched
 
 
+@taking_quantities
 @wraps(march)  # whose settings these are
 def solve(scene: Scene, **settings: Any) -> Marched:
-    """March a scene as `march` does; one that opens is marched along a line, where contacts may."""
+    """March a scene as `march` does; a slot that opens is marched along a line, where it may."""
     try:
         return march(scene, **settings)
     except TensionError as tension:
@@ -272,37 +273,5 @@ def solve(scene: Scene, **settings: Any) -> Marched:
             raise tension from None
         asked = {name: settings[name] for name in ("rtol", "progress") if name in settings}
         # a quarter of the period is the part of the contact that waves reach
-        nodes = 4 * (settings.get("nodes") or LINE_NODES)
-        return run(line, end, None if "rtol" in asked else min(nodes, MOST_LINE_NODES), **asked)
-
-
-def _continued(
-    marched: Marched,
-    scene: Scene,
-    end_time: float | None,
-    memory: float | None,
-    progress: Callable[[int, int], object] | None,
-) -> Marched:
-    """Return the whole march from t = 0 to a later end time, without recomputing anything."""
-    if marched.scene != scene:
-        raise SceneError("march: `go_on` is a march of another scene; continue it with its own.")
-    assert isinstance(marched.checkpoint, SlotCheckpoint)
-    latest = marched.checkpoint.latest
-    end_time = latest if end_time is None else end_time
-    end_time = _check_range("end_time", end_time, marched.end_time)
-    if end_time > latest:
-        raise SceneError(
-            f"march: this run can go on to {latest:.6g}; for more, start again with a "
-            "later `latest`."
-        )
-    # the order was seen until the time that the march had reached, under its loads alone
-    start = replace(marched.checkpoint, order=None)
-    return advance(replace(marched, checkpoint=start), end_time, memory, 0.0, progress)
-
-
-def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:
-    """Return a number low < value <= high as float; raise SceneError if it is not one."""
-    limit = f" and at most {high:g}" if high < LARGEST else ""
-    return checked_number(
-        f"march: {name}", value, f"be above {low:g}{limit}", lambda given: low < given <= high
-    )
+        nodes = min(4 * (settings.get("nodes") or LINE_NODES), MOST_NODES)
+        return march(line, end, None if "rtol" in asked else nodes, **asked)

@@ -16,10 +16,10 @@ from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
 from semianalytic.engine.bodies.motion import Motion
-from semianalytic.engine.nodes import SlotCheckpoint
+from semianalytic.engine.nodes import Checkpoint
 from semianalytic.engine.resolution import Shortfall, shortfalls_of
 from semianalytic.engine.stepping.line import grid_of
-from semianalytic.engine.stepping.state import Extremes, LineCheckpoint
+from semianalytic.engine.stepping.state import Extremes
 from semianalytic.results.answer import answer_dataset
 from semianalytic.results.datasets import attributes
 from semianalytic.results.gridded import AnswerInBodies
@@ -72,8 +72,8 @@ class Marched(AnswerInBodies, SampledAnswer):
         ...", whose fields are complete.
     caution : str
         A sentence on what limits the accuracy and can be changed; empty if nothing does.
-    checkpoint : LineCheckpoint or SlotCheckpoint
-        Everything from which the march goes on.
+    checkpoint : Checkpoint
+        The state from which the march continues.
     error_estimates : mapping
         Estimated relative L1 errors of the slip rate over contact and time; on a line also of slip
         and the change of shear traction, and of gap and pressure if loads change the pressure.
@@ -102,7 +102,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     """
 
     method = "space-time"
-    saved_as, compression = "slipfront march 7", 4
+    saved_as, compression = "slipfront march 8", 4
 
     scene: Scene
     nodes: int
@@ -110,7 +110,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     totals: Totals
     seen: Extremes
     status: str
-    checkpoint: LineCheckpoint | SlotCheckpoint = field(repr=False)
+    checkpoint: Checkpoint = field(repr=False)
     caution: str = ""
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     companion: Marched | None = field(default=None, repr=False)
@@ -168,19 +168,12 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def spacing(self) -> float:
         """Distance of the nodes [length]."""
-        start = self.checkpoint
-        return (
-            start.grid.spacing
-            if isinstance(start, SlotCheckpoint)
-            else (self.scene.period / self.nodes)
-        )
+        return self.checkpoint.grid.spacing
 
     @property
     def _weights(self) -> Array:
         """Length of the interface for which each node stands, (n,) [length]."""
-        if isinstance(self.checkpoint, SlotCheckpoint):
-            return np.full(self.nodes, self.spacing)
-        return grid_of(self.scene, self.nodes).weights
+        return self.checkpoint.grid.weights
 
     @property
     def work(self) -> dict[str, float]:
@@ -190,10 +183,11 @@ class Marched(AnswerInBodies, SampledAnswer):
         which is not negative and tends to 0 as the grid is refined, and that of adhesion, which is
         strength x length / 2 per area that has parted.
         """
-        start, friction = self.checkpoint, float(self._weights @ self.final_work_density)
-        # beside a slot the contact stays closed: a scene that opens is marched along a line
-        meets = 0.0 if isinstance(start, SlotCheckpoint) else self._weights @ start.end.closing
-        return {"friction": friction, "closing": float(meets)}
+        of_slip, meets = self.final_work_density, self.checkpoint.end.closing
+        return {
+            "friction": float(self._weights @ of_slip),
+            "closing": float(self._weights @ meets),
+        }
 
     @cached_property
     def _sums(self) -> tuple[Array, Array]:
@@ -219,22 +213,14 @@ class Marched(AnswerInBodies, SampledAnswer):
     @property
     def final_path(self) -> Array:
         """Accumulated |slip| at the nodes until the end (n,) [length]."""
-        start = self.checkpoint
-        return (
-            start.reached.state[: self.nodes]
-            if isinstance(start, SlotCheckpoint)
-            else (self._sums[0][-1])
-        )
+        return self.seen.path
 
     @property
     def final_work_density(self) -> Array:
         """Energy turned to heat at the nodes until the end, per area (n,) [stress length]."""
-        start = self.checkpoint
-        return (
-            start.reached.work[: self.nodes]
-            if isinstance(start, SlotCheckpoint)
-            else start.end.work
-        )
+        on, work = self.interface.touching, np.zeros(len(self.interface.x))
+        work[on] = self.checkpoint.end.work[: int(on.sum())]
+        return work
 
     @cached_property
     def _hidden(self) -> float:
@@ -312,7 +298,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         """Return the fields next to an edge at which the contact of a line sticks.
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
-        of different bodies alternate.  Divided by what a grid makes of a crack tip, and averaged
+        of different bodies alternate.  Divided by a grid's form of a crack tip, and averaged
         over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
@@ -338,8 +324,8 @@ class Marched(AnswerInBodies, SampledAnswer):
         >>> import semianalytic as sf
         >>> solid, contact = sf.Material(1, 1, 0.25), sf.Contact([(-2.0, 2.0)])
         >>> push = sf.InterfaceLoad(0.1, on="slot")
-        >>> held = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
-        >>> done = sf.solve(held, end_time=0.5, nodes=128)
+        >>> stuck = sf.Scene(solid, 0.5, sf.Tractions(1, 0), push, contact=contact, period=8.0)
+        >>> done = sf.solve(stuck, end_time=0.5, nodes=128)
         >>> done.beside_edge(2.0).shear_traction[:2].round(3)
         array([0.095, 0.054])
         """
@@ -449,7 +435,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         kept = Path(path), cls.saved_as, cls, "a file of one that this version saved", "march again"
         march = read_answer(*kept, **given)
         known, scene = march.interface, march.scene
-        if isinstance(march.checkpoint, LineCheckpoint):
+        if scene.on_line:
             alike = np.array_equal(known.x, grid_of(scene, march.nodes).x)
             if not (alike and np.array_equal(scene.contact.touches(known.x), known.touching)):
                 raise DataFileError(f"{path} is a march of another scene; load it with its own.")

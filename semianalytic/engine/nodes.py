@@ -1,4 +1,4 @@
-"""The nodes of a march beside a slot, whose ends send no wave back, and what it goes on from."""
+"""What a march goes on from, and the nodes beside a slot, whose ends send no wave back."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.stepping import line as stepping_line
-from semianalytic.engine.stepping.blocks import Reached
+from semianalytic.engine.stepping.state import Extremes, State
 from semianalytic.memory.exponentials import Memory
 from semianalytic.memory.line_memory import Past
 from semianalytic.results.memory import check_memory
@@ -42,9 +42,19 @@ class ContactGrid:
         return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
 
     @property
+    def weights(self) -> Array:
+        """Length of the contact for which each observed node stands, (observed,) [length]."""
+        return np.full(self.observed, self.spacing)
+
+    @property
     def contact(self) -> slice:
         """The slice of all nodes that lie on the contact."""
         return slice(self.slot, self.size)
+
+    @property
+    def shown(self) -> slice:
+        """The slice of all nodes that are observed."""
+        return slice(self.slot, self.slot + self.observed)
 
     @property
     def nodes(self) -> Array:
@@ -56,54 +66,83 @@ class ContactGrid:
         """All nodes as half of a line that is even about both of its ends."""
         return stepping_line.Grid(2 * self.size * self.spacing, 2 * self.size, True, True)
 
-    def observe(self, values: Array) -> Array:
-        """Return values (..., size) at the observed nodes of the contact, (..., observed)."""
-        return values[..., self.slot : self.slot + self.observed]
 
-
-@dataclass(frozen=True, eq=False)
-class SlotCheckpoint:
-    """Everything from which a march beside a slot goes on, and what it was asked for.
+@dataclass(frozen=True)
+class Layout:
+    """How a march beside a slot is laid out in time, which a continuation keeps.
 
     Attributes
     ----------
-    grid, memory : ContactGrid, Memory
-        Nodes, and kernel of the memory.
-    reached, past : Reached, Past
-        The state that is reached, and the memory of past slip then.
+    kernel : Memory
+        Kernel of the memory.
     latest : float
         Time to which the march can go on [time].
-    step_ratio, damping, every : float, float, int
-        Options of the march, which a continuation keeps.
+    step_ratio, damping : float
+        Options of the march.
     entry, begins : float
         Distance from the tip at which a load that comes along the slot begins [length], else 0, and
         the time of that [time].
+    stride : int
+        Steps of the march in one step: 2 of a companion.
+    """
+
+    kernel: Memory
+    latest: float
+    step_ratio: float
+    damping: float
+    entry: float
+    begins: float
+    stride: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Everything from which a march goes on, and what it was asked for.
+
+    Attributes
+    ----------
+    grid : Grid or ContactGrid
+        Nodes of a line, or those beside a slot.
+    state : State
+        Where it goes on from: its end, or the state before a last step that was cut to end there.
+    end : State
+        The state at its end.
+    past, opening : Past
+        Memories of slip, and of opening where the interface may open, at the time of `state`.
+    every, count : int
+        Steps per stored level, and steps until the time of `state`.
+    seen : Extremes
+        Extremes until then.
+    latest : float
+        Time up to which the march may go on [time].
+    layout : Layout or None
+        How a march beside a slot is laid out; None along a line.
+    settings : dict
+        Those of the `Stepper` of a line.
     rtol, order : float or None
         The error that was asked for, and the order of convergence that was seen between this march
         and a coarser one.
     departure : Departure
-        Difference from the companion.
-    steps : int
-        Number of time steps.
+        Difference from the companion beside a slot.
     seconds : dict
         Seconds by stage: "setup" and "steps".
     """
 
-    grid: ContactGrid
-    memory: Memory
-    reached: Reached
+    grid: stepping_line.Grid | ContactGrid
+    state: State
+    end: State
     past: Past
-    latest: float
-    step_ratio: float
-    damping: float
+    opening: Past | None
     every: int
-    entry: float
-    begins: float
+    count: int
+    seen: Extremes
+    latest: float
+    layout: Layout | None = None
+    settings: dict[str, float] = field(default_factory=dict)
     rtol: float | None = None
     order: float | None = None
     departure: Departure = field(default_factory=Departure)
-    steps: int = 0
-    seconds: dict[str, float] = field(default_factory=lambda: {"setup": 0.0, "steps": 0.0})
+    seconds: dict[str, float] = field(default_factory=dict)
 
 
 def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:

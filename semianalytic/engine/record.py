@@ -1,10 +1,10 @@
-"""The record of a run: fields at some of its time levels, and all that continues it."""
+"""The record of a march: fields at some of its time levels, and all that continues it."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Sequence
-from dataclasses import fields, is_dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -12,264 +12,262 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.stepping.acting import times_of_loads
-from semianalytic.engine.stepping.advance import levels_of
-from semianalytic.engine.stepping.state import Extremes, LineCheckpoint, State
-from semianalytic.engine.stepping.steps import Stepper
+from semianalytic.engine.nodes import Checkpoint
+from semianalytic.engine.stepping.advance import Part, Taken, taken_of
+from semianalytic.engine.stepping.state import Extremes, State
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
-FIELDS = ("slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap")
 
-
-class RunRecord:
+class Record:
     """Fields at every k-th level, thinned to a number of frames, or at given times.
 
     Parameters
     ----------
-    stepper : Stepper
-        The stepper of the run, which knows the nodes and which of them touch.
+    line : Stepper or SlotLine
+        The line that is marched, which knows the nodes and which of them touch.
     every : int
         k, which doubles each time the number of frames exceeds its limit.
-    frames : int
+    frames : float
         Largest number of frames.
     times : sequence of float, optional
         Times [time], in increasing order, at which fields are recorded instead.
-    slipping : float
+    slipping : float, optional
         |slip rate| beyond which slip has begun at a node [length / time].
+    first : float
+        Time at which the record begins [time].
+    steps : int
+        Steps to come, for which there is room at once.
     """
 
     def __init__(
         self,
-        stepper: Stepper,
+        line: Any,
         every: int,
-        frames: int,
+        frames: float = math.inf,
         times: Sequence[float] | None = None,
-        slipping: float = 0.0,
+        slipping: float | None = None,
+        first: float = 0.0,
+        steps: int = 64,
     ) -> None:
-        self.every, self.frames, self.count = every, frames, 0
+        self.every, self.frames, self.count, self.first = every, frames, 0, first
         self.times = None if times is None else list(times)
-        self.t: list[float] = []
-        self.fields: dict[str, list[Array]] = {name: [] for name in FIELDS}
-        self._stepper, self._touching = stepper, stepper.touching
-        self._may_open, self._weights = stepper.unilateral is not None, stepper.grid.weights
-        self._summed: list[list[float]] = [[] for _ in range(5)]  # of each of the `Totals`
-        self.motion = MotionRecord()
-        self.seen = Extremes.none(len(stepper.grid.x), slipping)
+        self._line, self._grid, self._is_whole = line, line.nodes, bool(line.touching.all())
+        self._names = [name for name in line.fields if name not in line.steady]
+        self._rows, self._summed = _Rows(int(min(frames, steps // every)) + 3), _Rows(steps + 1)
+        self._weights = self._grid.weights[line.touching]
+        self._is_even = bool((self._weights == self._weights[0]).all())
+        # a line drives the bodies by itself; beside a slot they need a longer one (`freed`)
+        self.motion = MotionRecord() if line.layout is None else None
+        self.seen, self._scratch = Extremes.none(len(self._grid.x), slipping), np.empty((2, 0, 0))
 
     def begin(self, now: State) -> None:
-        """Record the state at the beginning of the run."""
-        self._count([now.time] * 2, *levels_of([now] * 2, self._stepper))
-        if self.times is None:
-            self._write(now.time, self._shown(now))
-        else:
-            while self.times and self.times[0] <= now.time:
-                self._write(self.times.pop(0), self._shown(now))
+        """Record the state at which the record begins."""
+        taken = taken_of([now] * 2)
+        self._count(taken)
+        if self.times is None or self.times[0] <= now.time:
+            self._write(taken, slice(1, 2))
+            self.times = self.times and [time for time in self.times if time > now.time]
 
-    def add(
-        self,
-        times: Sequence[float],
-        rates: Array,
-        slips: Array,
-        works: Array,
-        look: Callable[[int], State],
-    ) -> None:
-        """Record steps: fields if they are due, and totals and extremes always.
-
-        Parameters
-        ----------
-        times : (k + 1,) sequence
-            Times of the levels and of the one before them [time].
-        rates, slips : (k + 1, n) arrays
-            Slip rates at these, and slip.
-        works : (k + 1, contact) array
-            Work of friction until these [stress length].
-        look : function
-            Returns the state at one of these levels, given by its place.
-        """
-        self._count(times, rates, slips, works)
-        opening = [look(level).gap_rate for level in range(len(times)) if self._may_open]
-        self.motion.add(times, rates, *([np.array(opening)] if opening else []))
-        for level, time in enumerate(times[1:], 1):
-            self.count += 1
-            if self.times is None:
-                if self.count % self.every == 0:
-                    self._write(time, self._shown(look(level)))
-                    if len(self.t) > self.frames:
-                        self._thin()
-                continue
-            while self.times and self.times[0] <= time * (1 + 1e-12):
-                at = self.times.pop(0)
-                self._write(at, self._between(look(level - 1), look(level), at))
+    def add(self, taken: Taken) -> None:
+        """Record steps: fields if they are due, and totals and extremes always."""
+        times, steps = taken.times, len(taken.times) - 1
+        if not steps:
+            # both levels at a jump are the same one, so that nothing is interpolated across it
+            rates = np.repeat(self._rates(taken), 2, axis=0)
+            known = rates, np.abs(rates), self.seen.path
+            self.seen = self.seen.with_levels([times[0]] * 2, *known)
+            return
+        if times[-1] <= self.first:
+            self.count += steps
+            if times[-1] == self.first:
+                self.begin(taken.look(steps))
+            return
+        self._count(taken)
+        if self.motion is not None:
+            may_open = self._line.unilateral is not None
+            opening = [taken.look(level).gap_rate for level in range(steps + 1) if may_open]
+            self.motion.add(times, taken.rates, *([np.array(opening)] if opening else []))
+        done = 0
+        while self.times is None and done < steps:
+            ahead = np.arange(1, steps - done + 1)
+            due = done + ahead[(self.count + ahead) % self.every == 0]
+            due = due[: int(min(self.frames + 1 - self._rows.count, steps))]
+            if not len(due):
+                break
+            # all rows without the copy of an index, which would take as long as the storing
+            self._write(taken, slice(1, None) if len(due) == steps else due)
+            self.count, done = self.count + int(due[-1]) - done, int(due[-1])
+            if self._rows.count > self.frames:
+                self.every *= 2
+                self._rows.thin()
+        self.count += steps - done
+        for level in range(1, steps + 1):
+            while self.times and self.times[0] <= times[level] * (1 + 1e-12):
+                self._write_between(taken, level, self.times.pop(0))
 
     def end(self, now: State) -> None:
         """Record the last state unless the last step recorded it."""
-        if self.times is None and self.t[-1] != now.time:
-            self._write(now.time, self._shown(now))
+        if self.times is None and self._rows.arrays()[0][-1] != now.time:
+            self._write(taken_of([now]), slice(None))
 
-    def _count(self, times: Sequence[float], rates: Array, slips: Array, works: Array) -> None:
+    def _rates(self, taken: Taken) -> Array:
+        """Return slip rates at the nodes that are recorded, 0 on slots, (k + 1, n)."""
+        rates = taken.rates[:, self._grid.shown]
+        return rates if self._is_whole else np.where(self._line.touching, rates, 0.0)
+
+    def _count(self, taken: Taken) -> None:
         """Note totals, extremes of slip rates, and when slip begins."""
-        rates = np.where(self._touching, rates, 0.0)
-        self.seen = self.seen.with_levels(times, rates)
-        slips, weights = slips[:, self._touching], self._weights[self._touching]
-        largest, moved = np.abs(slips[1:]).max(axis=1, initial=0.0), np.abs(np.diff(slips, axis=0))
+        n, on = len(self._grid.x), slice(None) if self._is_whole else self._line.touching
+        rates, slips = self._rates(taken), taken.slips[:, :n]
+        if len(self._scratch[0]) < len(rates):  # arrays of this size are new pages each time
+            self._scratch = np.empty((2, *rates.shape))
+        speeds, moved = self._scratch[:, : len(rates)]
+        speeds, moved = np.abs(rates, out=speeds), np.subtract(slips[1:], slips[:-1], out=moved[1:])
+        np.abs(moved, out=moved)
+        works, slips = taken.works[1:, : len(self._weights)], slips[1:, on]
+        extremes = slips.max(axis=1, initial=0.0), -slips.min(axis=1, initial=0.0)
+        largest = np.maximum(*extremes)
         # one by one, so that sums do not depend on how steps come in blocks
-        paths = np.cumsum([*self._summed[2][-1:], *(moved * weights).sum(axis=1)])
-        work, peaks = (works[1:] * weights).sum(axis=1), np.abs(rates[1:]).max(axis=1, initial=0.0)
-        rows = times[1:], largest, paths[-len(moved) :], work, peaks
-        for values, more in zip(self._summed, rows, strict=True):
-            values += np.asarray(more).tolist()
+        so_far = self._summed.arrays()[2][-1:].tolist() if self._summed.count else []
+        paths = np.cumsum([*so_far, *self._over(moved[:, on])])[-len(moved) :]
+        peaks = speeds[1:].max(axis=1, initial=0.0)
+        self._summed.add(taken.times[1:], largest, paths, self._over(works), peaks)
+        moved[0] += self.seen.path
+        self.seen = self.seen.with_levels(taken.times, rates, speeds, moved.sum(axis=0))
+
+    def _over(self, rows: Array) -> Array:
+        """Return integrals of rows (k, contact) over the contact, (k,)."""
+        if self._is_even:
+            return np.asarray(rows.sum(axis=1) * self._weights[0])
+        return np.asarray((rows * self._weights).sum(axis=1))
 
     @property
     def totals(self) -> Totals:
         """Totals of the contact at all steps."""
-        return Totals(*map(np.array, self._summed))
+        return Totals(*self._summed.arrays())
 
     @property
     def interface(self) -> InterfaceHistory:
         """The fields that are recorded."""
-        known = {name: np.array(values) for name, values in self.fields.items()}
-        return InterfaceHistory(
-            self._stepper.grid.x, np.array(self.t), mask=self._touching, **known
-        )
+        t, *rows = self._rows.arrays()
+        known, shape = dict(zip(self._names, rows, strict=True)), (len(t), len(self._grid.x))
+        known |= {name: np.broadcast_to(row, shape) for name, row in self._line.steady.items()}
+        mask = self._line.touching if self._line.layout is None else None
+        return InterfaceHistory(self._grid.x, t, mask=mask, **known)
 
-    def sum_from(self, earlier: Totals, time: float) -> None:
-        """Continue the totals of an earlier march from a time."""
-        steps = int((earlier.t <= time).sum())
-        self._summed = [vars(earlier)[known.name][:steps].tolist() for known in fields(Totals)]
+    def _placed(self, taken: Taken, part: Part) -> list[Array]:
+        """Return the fields that change at some levels, at the nodes that are recorded."""
+        n, found = len(self._grid.x), list[Array]()
+        for name in self._names:
+            values = taken.show(name, part)
+            if name == "slip_rate":
+                values = values[:, self._grid.shown]
+            elif name in ("state", "felt_pressure") and not self._is_whole:
+                on, values = values, np.full((len(values), n), np.nan if name == "state" else 0.0)
+                values[:, self._line.touching] = on
+            found.append(values[:, :n])
+        return found
 
-    def _write(self, time: float, shown: Sequence[Array]) -> None:
-        self.t.append(time)
-        for name, value in zip(FIELDS, shown, strict=True):
-            self.fields[name].append(value)
+    def _write(self, taken: Taken, part: Part) -> None:
+        self._rows.add(np.asarray(taken.times)[part], *self._placed(taken, part))
 
-    def _thin(self) -> None:
-        self.every *= 2
-        self.t = self.t[::2]
-        for name in FIELDS:
-            self.fields[name] = self.fields[name][::2]
+    def _write_between(self, taken: Taken, level: int, time: float) -> None:
+        """Record the fields at a time within a step, over which all but slip is linear."""
+        begin, length = taken.times[level - 1], taken.times[level] - taken.times[level - 1]
+        share = min((time - begin) / length, 1.0)
+        both = self._placed(taken, np.array([level - 1, level]))
+        pairs = dict(zip(self._names, both, strict=True))
+        rows = {name: two[:1] + share * (two[1:] - two[:1]) for name, two in pairs.items()}
+        gained = share * length * (pairs["slip_rate"][:1] + rows["slip_rate"]) / 2
+        rows["slip"] = pairs["slip"][:1] + gained
+        self._rows.add([time], *rows.values())
 
-    def _shown(self, now: State) -> tuple[Array, ...]:
-        state = np.full(len(now.rate), np.nan)
-        state[self._touching] = now.state
-        felt = np.zeros(len(now.rate))
-        felt[self._touching] = now.felt
-        return now.slip, now.rate, now.traction, state, now.pressure, felt, now.gap
+    def go_on(self, earlier: Marched) -> None:
+        """Take up the record of an earlier march until where it goes on from."""
+        kept = earlier.checkpoint
+        since, known = kept.state.time, earlier.interface
+        self.every, self.count, self.seen = max(self.every, kept.every), kept.count, kept.seen
+        # but for levels that were recorded only because the earlier march ended there
+        again = known.t > since
+        again[-1] |= self.times is None and bool(kept.count % kept.every) and known.t[-1] == since
+        if self.times is not None:
+            beyond = [time for time in self.times if time > since]
+            self.times = sorted({*known.t[again].tolist(), *beyond})
+        rows = [known.t, *(getattr(known, name) for name in self._names)]
+        self._rows.add(*(values[~again] for values in rows))
+        totals = [getattr(earlier.totals, part.name) for part in fields(Totals)]
+        self._summed.add(*(values[earlier.totals.t <= since] for values in totals))
+        if self.motion is not None and earlier.motion is not None:
+            self.motion.go_on(earlier.motion, since, self.count)
 
-    def _between(self, before: State, now: State, time: float) -> tuple[Array, ...]:
-        """Return the fields at a time within a step, over which all but slip is linear."""
-        length = now.time - before.time
-        share = min((time - before.time) / length, 1.0)
-        pairs = zip(self._shown(before), self._shown(now), strict=True)
-        shown = [value + share * (other - value) for value, other in pairs]
-        shown[0] = before.slip + share * length * (before.rate + shown[1]) / 2
-        return tuple(shown)
+
+class _Rows:
+    """Arrays of which rows are filled one after the other, with room for so many at once."""
+
+    def __init__(self, room: int) -> None:
+        self.count, self._room, self._arrays = 0, room, list[Array]()
+
+    def add(self, *rows: Any) -> None:
+        """Fill rows, of which each array has some."""
+        begin, self.count = self.count, self.count + len(rows[0])
+        if not self._arrays or self.count > len(self._arrays[0]):
+            self._room = max(self._room, self.count) + (begin and max(self._room, self.count))
+            earlier, self._arrays = self.arrays(), []
+            for at, values in enumerate(rows):
+                self._arrays.append(np.empty((self._room, *np.shape(values)[1:])))
+                if begin:
+                    self._arrays[at][:begin] = earlier[at][:begin]
+        for array, values in zip(self._arrays, rows, strict=True):
+            array[begin : self.count] = values
+
+    def thin(self) -> None:
+        """Drop every second row."""
+        kept = [array[: self.count : 2].copy() for array in self._arrays]
+        self.count = len(kept[0])
+        for array, values in zip(self._arrays, kept, strict=True):
+            array[: self.count] = values
+
+    def arrays(self) -> list[Array]:
+        """Return the rows that are filled."""
+        return [array[: self.count] for array in self._arrays]
 
 
-def checkpoint_at(stepper: Stepper, record: RunRecord, now: State, latest: float) -> LineCheckpoint:
-    """Return what a march goes on from at a state until a latest time, but for `fingerprint`."""
-    opening = None if stepper.unilateral is None else stepper.unilateral.memory.past()
-    return LineCheckpoint(
+def checkpoint_at(line: Any, record: Record, now: State, latest: float) -> Checkpoint:
+    """Return what a march goes on from at a state until a latest time."""
+    past, *opening = (memory.past() for memory in line.every_memory())
+    return Checkpoint(
+        grid=line.nodes,
         state=now,
         end=now,
-        past=stepper.memory.past(),
-        opening=opening,
-        horizon=stepper.memory.horizon,
-        fingerprint="",
+        past=past,
+        opening=opening[0] if opening else None,
         every=record.every,
         count=record.count,
         seen=record.seen,
         latest=latest,
+        layout=line.layout,
+        settings=line.settings,
     )
 
 
-def fingerprint(stepper: Stepper, latest: float) -> str:
-    """Return a digest of everything on the grid that a run depends on until a time [time]."""
-    scene = stepper.scene
-    parts: list[Any] = [scene.material, stepper.grid, scene.plate_rate]
-    parts.append(scene.contact.intervals)  # ends within a cell have the same nodes
-    if stepper.pair is not None:
-        parts.append(stepper.pair)
-    parts += [scene.mode, type(stepper.law).__name__, stepper.shortest, stepper.sweeps]
-    values: list[Any] = []
-    if is_dataclass(stepper.law):
-        values = [getattr(stepper.law, field.name) for field in fields(stepper.law)]
-    parts += [value for value in values if isinstance(value, str | bool)]
-    digest = hashlib.sha256(repr(parts).encode())
-    laid: list[Any] = [
-        stepper.pressure,
-        stepper.shear,
-        stepper.touching,
-        *stepper.loads(stepper.shortest),
-    ]
-    for load in stepper.acting:
-        laid += [
-            load.traction(stepper.grid.x, float(time), of=of)
-            for of in ("shear", "pressure")
-            for time in times_of_loads(latest)
-        ]
-    if stepper.unilateral is not None:
-        laid += stepper.unilateral.loads(stepper.shortest)
-        if stepper.unilateral.adhesion is not None:
-            laid += [stepper.unilateral.adhesion.strength, stepper.unilateral.adhesion.length]
-    laid += [value for value in values if isinstance(value, float | int | np.ndarray)]
-    for value in laid:
-        digest.update(np.ascontiguousarray(value).tobytes())
-    return digest.hexdigest()
-
-
-def resumed(stepper: Stepper, record: RunRecord, earlier: Marched, end_time: float) -> State:
-    """Put the memory and the record of an earlier run in place and return its state."""
+def resumed(line: Any, record: Record, earlier: Marched) -> State:
+    """Put the memory and the record of an earlier march in place and return its state."""
     kept = earlier.checkpoint
-    assert isinstance(kept, LineCheckpoint)
-    assert earlier.motion is not None
-    if kept.fingerprint != fingerprint(stepper, kept.latest):
-        raise DataFileError(
-            "run: `go_on` is a run of another interface, grid or step; continue it with its own "
-            "interface, `nodes` and `step_ratio`."
-        )
-    if kept.end.time >= end_time:
-        raise SceneError(f"run: `end_time` must be beyond that of `go_on`, {kept.end.time:.6g}.")
-    if record.seen.slipping != kept.seen.slipping:
-        raise SceneError(
-            f"run: slip began beyond {kept.seen.slipping:.6g} in the run that `go_on` "
-            "continues; leave out `slipping`, or give the same."
-        )
-    since = kept.state.time
-    gone = [time for time in record.times or () if time <= since]
-    times = earlier.interface.t
+    now, times = kept.state, earlier.interface.t
+    gone = [time for time in record.times or () if time <= now.time]
     lost = [time for time in gone if not np.isclose(time, times, rtol=1e-12, atol=0.0).any()]
     if lost:
         raise SceneError(
-            f"run: the run that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
+            f"march: the march that `go_on` continues has gone beyond t = {lost[0]:.6g} and not "
             "stored it; leave out such `times`, or compute it again."
         )
-    if kept.horizon != stepper.memory.horizon:
-        raise SceneError(
-            f"run: the memory of `go_on` reaches t = {kept.latest:g}; compute it again with "
-            f"`latest` = {end_time:g} to continue it until then."
-        )
-    stepper.memory.put_back(kept.past)
-    if stepper.unilateral is not None and kept.opening is not None:
-        stepper.unilateral.memory.put_back(kept.opening)
-    record.every, record.count = kept.every, kept.count
-    record.t = list(earlier.interface.t)
-    for name in FIELDS:
-        record.fields[name] = list(getattr(earlier.interface, name))
-    cut = record.times is None and record.count % record.every and record.t[-1] == since
-    again = list[float]()
-    while cut or record.t[-1] > since:
-        # Frames of a step that is taken anew, or recorded only because the earlier run ended there.
-        cut = False
-        again.append(record.t.pop())
-        for name in FIELDS:
-            record.fields[name].pop()
-    if record.times is not None:
-        record.times = sorted({*again, *(time for time in record.times if time > since)})
-    record.sum_from(earlier.totals, since)
-    record.seen = kept.seen
-    record.motion.go_on(earlier.motion, since, record.count)
-    return kept.state
+    pasts = kept.past, *([] if kept.opening is None else [kept.opening])
+    for memory, past in zip(line.every_memory(), pasts, strict=True):
+        memory.put_back(past)
+    record.go_on(earlier)
+    # a march that ended at a jump has the values before it
+    return line.jump(now) if now.time in line.jumps and now.time == earlier.end_time else now

@@ -40,7 +40,7 @@ def nodes_for_loads(
 
     The step ratio is the largest c_t dt / h; less than 0.5 does not help.  The second result is
     "pressure" or "shear", or "" if the least number is enough, which then is the first.  Raises
-    SceneError if a load turns back within no time at all.
+    SceneError if a load reverses instantaneously.
     """
     nodes, reason = least, ""
     # step times nodes: a step of step_ratio h / c_t with h = length / nodes
@@ -49,7 +49,7 @@ def nodes_for_loads(
         needed = nodes_following(history, times_nodes, latest, nodes)
         if needed == math.inf:
             raise SceneError(
-                f"march: the {name} history turns back within no time at all; "
+                f"march: the {name} history reverses instantaneously; "
                 "smooth it, or take out samples that lie close together (docs/limits.md)."
             )
         if needed > nodes * (1 + 1e-12):

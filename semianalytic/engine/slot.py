@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
-from semianalytic.engine.stepping.advance import CUT, Span
+from semianalytic.engine.nodes import ContactGrid, Layout
+from semianalytic.engine.stepping.advance import CUT, Span, reached_at
 from semianalytic.engine.stepping.balance import Balance
-from semianalytic.engine.stepping.blocks import ClosedLine, Level
+from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level
+from semianalytic.engine.stepping.state import State
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.errors import TensionError
+from semianalytic.scene.scene import Scene
 
 SINGLE_SIZE = 4096
 """Nodes up to which all of the memory has single precision: slip rates change by 5e-6 of
@@ -31,40 +34,75 @@ class SlotLine(ClosedLine):
 
     Parameters
     ----------
-    marched : Marched
-        Scene, nodes and memory, and where the march goes on from.
-    finest : float
-        Shortest step of the whole march [time].
+    scene : Scene
+        What is marched.
+    nodes : ContactGrid
+        Nodes of slot and contact.
+    layout : Layout
+        Memory and steps.
+    since : float
+        Time from which the march goes on [time].
     """
 
-    sweeps, means_last = SWEEPS, True
+    sweeps, means_last, climbs, is_cut = SWEEPS, True, False, False
+    unilateral, settings = None, dict[str, float]()
+    fields = "slip", "slip_rate", "shear_traction", "pressure", "gap"
 
-    def __init__(self, marched: Any, finest: float) -> None:
-        scene, start = marched.scene, marched.checkpoint
-        nodes, self._latest = start.grid, start.latest
-        self.scene, self.damping, self.kept = scene, start.damping, nodes.contact
+    def __init__(self, scene: Scene, nodes: ContactGrid, layout: Layout, since: float) -> None:
+        self.scene, self.nodes, self.layout = scene, nodes, layout
+        self.damping, self.kept = layout.damping, nodes.contact
         self.grid, self.law, self.jumps = nodes.line, scene.law, scene.jumps
         self.impedance = scene.material.shear_impedance / 2
         self.speed = scene.material.shear_speed
-        touching = np.arange(nodes.size) >= nodes.slot
-        self.balance = Balance(self.law, self.impedance, touching, self.grid, falls=True)
+        self.touching = np.ones(nodes.observed, dtype=bool)
+        on = np.arange(nodes.size) >= nodes.slot
+        self.balance = Balance(self.law, self.impedance, on, self.grid, falls=True)
         # rates of units that are far from 1 would leave the range of single precision
         sizes = [max(abs(load.pressure), abs(load.shear)) for load in scene.superposition]
         usual = SINGLE_RATES[0] < max(sizes) / self.impedance < SINGLE_RATES[1]
         double = 0 if nodes.size <= SINGLE_SIZE else nodes.size // 8
         double = double if usual else nodes.size
-        self.memory = LineMemory(start.memory, self.grid.wavenumbers, double=double)
-        self.memory.put_back(start.past)
+        self.memory = LineMemory(layout.kernel, self.grid.wavenumbers, double=double)
         # what the history adds to the shear of the uncut line, and of slot faces: Q_b - Q_0 f
         load, self._base = scene.superposition.taken_off.shear, scene.before_load.shear
         self._shares = (load, 0.0) if scene.arrives else (0.0, -load)
-        self._front = front_of(scene, nodes, start.entry) if scene.front_slowness else None
+        self._front = front_of(scene, nodes, layout.entry) if scene.front_slowness else None
+        # the steps are those of a march until `latest`, wherever it stops and goes on
+        self._spans = spans_until(scene, nodes, layout)
+        finest = layout.stride * min(span.step for span in self._spans)
         self._pressure: GridPressure | FrontPressure
         if self._front is not None and scene.superposition.taken_off.pressure:
-            self._pressure = FrontPressure(marched, self._front, finest)
+            self._pressure = FrontPressure(scene, nodes, layout, self._front, finest, since)
         else:
             count = nodes.size - nodes.slot
-            self._pressure = GridPressure(scene, count, nodes.spacing, start.latest, finest)
+            self._pressure = GridPressure(scene, count, nodes.spacing, layout.latest, finest)
+        self.steady = {"gap": np.zeros(nodes.observed)}  # a march ends where the contact would open
+        if not scene.superposition.taken_off.pressure:
+            self.steady["pressure"] = self.after(since, finest).pressure[: nodes.observed]
+
+    def begin(self) -> State:
+        """Return the state at rest, before the load comes."""
+        none, rest = np.zeros(self.nodes.observed), np.zeros(self.nodes.size - self.nodes.slot)
+        rate = np.zeros(self.nodes.size)
+        now = self.layout.begins, rate, rest, rest, rest, rest, rest
+        return State(none, none, none, none, none, *now)
+
+    def jump(self, now: State) -> State:
+        """Return the state after loads have jumped, with the memory as it is."""
+        step = next(span.step for span in self._spans if span.stop > now.time)
+        level = self.after(now.time, self.layout.stride * step)
+        blocks = EqualSteps(self, reached_at(now), 2)
+        blocks.jump(level)
+        return replace(now, **vars(blocks.reached) | {"pressure": level.pressure})
+
+    def every_memory(self) -> list[LineMemory]:
+        """Return the memory of slip."""
+        return [self.memory]
+
+    def spans(self, time: float, end_time: float) -> list[Span]:
+        """Return the spans from a level on until a pair of steps reaches the end [time]."""
+        stride, spans = self.layout.stride, spans_to(self._spans, time, end_time)
+        return [span._replace(step=stride * span.step) for span in spans]
 
     def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
         """Yield the ends of steps, with the pressure checked where loads change it."""
@@ -98,7 +136,7 @@ class SlotLine(ClosedLine):
         """
         history = self.scene.shear_history
         values, breaks, half = history.value(ends), np.array(history.pieces.breaks), steps / 2
-        for stop in (*self.jumps, self._latest):  # beyond which no mean is taken
+        for stop in (*self.jumps, self.layout.latest):  # beyond which no mean is taken
             half = np.minimum(half, np.abs(ends - stop))
         within = np.searchsorted(breaks, ends + half) - np.searchsorted(breaks, ends - half)
         # Values at the levels represent one kink, but not several.
@@ -121,19 +159,18 @@ class SlotLine(ClosedLine):
         self.scene.check_weakening(float(pressure.max()))
 
 
-def spans_until(marched: Any) -> list[Span]:
+def spans_until(scene: Scene, nodes: ContactGrid, layout: Layout) -> list[Span]:
     """Return the spans between jumps of the loads until the latest time, in pairs of equal steps.
 
-    The end of each pair is a level of the companion as well.
+    The end of each pair is a level of the companion as well, whose steps are twice as long.
     """
     # a march that begins with a load far along the slot is recorded from t = 0 on at the latest
-    start = marched.checkpoint
-    at = {0.0, *marched.scene.jumps, start.latest}
-    stops = sorted(time for time in at if start.begins < time <= start.latest)
-    longest = start.step_ratio * start.grid.spacing / marched.scene.material.shear_speed
+    at = {0.0, *scene.jumps, layout.latest}
+    stops = sorted(time for time in at if layout.begins < time <= layout.latest)
+    longest = layout.step_ratio * (nodes.spacing / layout.stride) / scene.material.shear_speed
     return [
         Span(begin, stop, (stop - begin) / (2 * max(1, math.ceil((stop - begin) / longest / 2))))
-        for begin, stop in pairwise([start.begins, *stops])
+        for begin, stop in pairwise([layout.begins, *stops])
     ]
 
 

@@ -92,18 +92,6 @@ class RayleighFamily(RayleighFactors):
         return np.asarray(real + 1j * imag)
 
     @cached_property
-    def hiding(self) -> np.ndarray:
-        """Where the hidden root is, (k,): 2 panels are cut near it, 1 complex ahead, else 0."""
-        hidden = self.hidden_root
-        return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
-
-    @cached_property
-    def cuts(self) -> list[CutPoints]:
-        """Points at which fields change character; `hiding` is the same for all ratios."""
-        beside = [self.cut(self.hidden_root.real)] if self.hiding[0] == 2 else []
-        return [*beside, self.front_b]
-
-    @cached_property
     def _fronts(self) -> Array:
         return np.stack([np.zeros_like(self.a), self.a, np.ones_like(self.a), self.c])
 

@@ -284,11 +284,19 @@ class RayleighFactors:
         return self.beside("c", [0.0])
 
     @cached_property
-    def cuts(self) -> list[CutPoints]:
-        """Points at which fields change character: near the hidden root, the shear front."""
+    def hiding(self) -> np.ndarray:
+        """Where the hidden root is, (k,): 2 panels are cut near it, 1 complex ahead, else 0."""
         hidden = self.hidden_root
-        beside = [self.cut([hidden.real])] if hidden.imag and hidden.real > self.a else []
-        return [*beside, self.front_b]
+        return np.ravel((hidden.imag > 0) * (1 + (hidden.real > self.a)))
+
+    @cached_property
+    def cuts(self) -> list[CutPoints]:
+        """Points at which fields change character: near the hidden root, the shear front.
+
+        Of many ratios `hiding` is the same.
+        """
+        hidden = np.atleast_1d(self.hidden_root.real)
+        return [*([self.cut(hidden)] if self.hiding[0] == 2 else []), self.front_b]
 
     @cached_property
     def _fronts(self) -> Array:

@@ -47,7 +47,7 @@ class Fit:
     unconstrained : tuple of str
         Parameters that the data do not constrain, alone or together.
     status : str
-        "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
+        "converged", or a sentence on what is unreliable. It also says so if the misfits, or the
         distances of estimates from their priors, would occur in only one fit in a million.
     solution : Solution
         Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.
@@ -110,13 +110,15 @@ class Fit:
         caption = f"Fit: chi2 {self.chi2:.4g} of {self.freedom}; {self.status}"
         return html_table(caption, ("parameter", "value", "error"), rows)
 
-    def error_in_words(self, number: int) -> str:
+    def error_in_words(self, number: int, factor: float = 1.0) -> str:
         """Return the error of a value as text, with two sides where they differ.
 
         Parameters
         ----------
         number : int
             Place of the parameter.
+        factor : float
+            By which numbers are multiplied, for another unit.
 
         Returns
         -------
@@ -129,8 +131,8 @@ class Fit:
         below, above = np.abs(self.interval[number] - self.values[number])
         # Ends that were not sought apart are one standard error away, but for rounding.
         if max(abs(above - error), abs(below - error)) < 1e-6 * error:
-            return f"± {error:.2g}"
-        return f"+{above:.2g} -{below:.2g}"
+            return f"± {error * factor:.2g}"
+        return f"+{above * factor:.2g} -{below * factor:.2g}"
 
     @property
     def scene(self) -> Scene:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any
@@ -139,7 +140,7 @@ def fit(
         status = f"the grid adds more than noise to the error of {coarse[0]}; raise `nodes`"
     interval = best.scaled[:, None] + np.sign(sides) * np.hypot(sides, shift[:, None])
     interval = np.clip(interval.T, *trials.bounds).T
-    return Fit(
+    fit = Fit(
         parameters=names,
         values=best.scaled * size,
         # Unknowns of the search are over their sizes; covariances go like the square.
@@ -158,6 +159,8 @@ def fit(
         solutions=trials.count,
         trials=trials,
     )
+    logging.getLogger(__name__).info("%d solutions: %r", trials.count, fit)
+    return fit
 
 
 def _trials(

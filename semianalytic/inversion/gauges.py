@@ -95,16 +95,16 @@ class Gauge:
             raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
         object.__setattr__(self, "x", checked_number("gauge: x", self.x))
         if self.on_interface and self.y is not None:
-            raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
+            raise SceneError(f"gauge: {self.quantity} is a quantity of the interface; leave y out.")
         if not self.on_interface:
             if self.y is None:
-                raise SceneError(f"gauge: {self.quantity} is of the bodies; say at which y.")
+                raise SceneError(f"gauge: {self.quantity} is a quantity in the bodies; give y.")
             object.__setattr__(self, "y", checked_number("gauge: y", self.y))
         for name in ("t", "values"):
             object.__setattr__(self, name, _numbers(name, getattr(self, name)))
         t, values = self.t, self.values
         if t.ndim != 1 or t.shape != values.shape or not t.size:
-            raise SceneError("gauge: t and values must be two rows of as many numbers.")
+            raise SceneError("gauge: t and values must be one-dimensional and of equal length.")
         if not np.all(np.isfinite(t)) or not np.all(np.isfinite(values)) or np.any(np.diff(t) <= 0):
             raise SceneError("gauge: t and values must be finite numbers, and t ascending.")
         if max(np.abs(t).max(), np.abs(values).max()) > LARGEST:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.run import run
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
@@ -199,14 +199,14 @@ class LineTrials(Trials):
 
 
 def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
-    """Run an interface for gauges; errors are those of `run`."""
+    """Run an interface for gauges; errors are those of `march`."""
     options = {
         key: value
         for key, value in scene.run.items()
         if key not in ("nodes", "rtol", "every", "frames", "times")
     }
     # Between these times all is linear.
-    done = run(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
+    done = march(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
 
 

@@ -32,7 +32,7 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
 if TYPE_CHECKING:
-    from semianalytic.sweeps.continuation import Continuation
+    from semianalytic.sweeps.plane import Plane
 
 FINER_SAFETY = 2.0
 """Error of a march over its difference from twice the nodes, at first order."""
@@ -56,7 +56,7 @@ class Trials:
         shrink, and grows where the search goes on.
     looks : int
         Looks that were taken.
-    followed : Continuation, optional
+    followed : Plane, optional
         Solutions of trials so far, if these differ in friction alone; without it each trial is
         solved alone.
     """
@@ -68,7 +68,7 @@ class Trials:
     count: int = 0
     progress: Callable[[int, int], object] | None = None
     looks: int = 0
-    followed: Continuation | None = field(default=None, repr=False)
+    followed: Plane | None = field(default=None, repr=False)
     _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
     _last: tuple[bytes, Array] | None = field(default=None, repr=False)
@@ -216,15 +216,15 @@ class Trials:
             ratios = [scene.material.poisson_ratio for scene in scenes]
             return sweep(given, frictions, 1e-4, poisson_ratio=ratios).solutions
         # Trials of friction alone keep what they find: each helps those that come later.
-        from semianalytic.sweeps.continuation import Continuation
+        from semianalytic.sweeps.plane import Plane
 
-        known = self.followed or Continuation((), self.rtol, scaled_load(given)[1])
+        known = self.followed or Plane((given,), self.rtol, scaled_load(given)[1])
         # each friction once, for trials of the set-up alone share one
         laws = [given.law.with_coefficient(value) for value in dict.fromkeys(frictions)]
         followed = known.extended([replace(given, friction=law) for law in laws])
         followed.run()
         self.followed = followed
-        places = np.searchsorted(followed.friction, frictions)
+        places = np.searchsorted([scene.coefficient for scene in followed.scenes], frictions)
         return [followed.solutions[place] for place in places.tolist()]
 
     @cached_property

@@ -189,7 +189,7 @@ def has_similarity(scene: Scene) -> bool:
 
 def is_of_setup(name: object) -> bool:
     """Return whether a name is that of a parameter of the set-up, which needs no new solution."""
-    return name in SETUP or _is_lone_gain(name)
+    return str(name) in SETUP or _is_lone_gain(name)
 
 
 def _is_lone_gain(name: object) -> bool:
@@ -228,12 +228,12 @@ def number_name(scene: Scene, given: object) -> str:
 def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
     """Raise SceneError unless there are names, each of them once, and gains of gauges."""
     if not names or len(set(names)) < len(names):
-        raise SceneError("fit: name at least one parameter, and each of them once.")
+        raise SceneError("fit: name at least one parameter, and each one once.")
     called = {gauge.name for gauge in gauges} - {""}
     for name in names:
         if _is_lone_gain(name) and name.removeprefix(_LONE_GAIN) not in called:
             known = ", ".join(sorted(called)) or "none of them has a name"
-            raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
+            raise SceneError(f"fit: {shown(name)} belongs to no gauge; their names: {known}.")
 
 
 def check_exact(names: tuple[str, ...], scene: Scene) -> None:

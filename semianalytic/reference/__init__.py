@@ -11,9 +11,8 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
 - `slip_rate_without_friction`: Lamb's surface velocity under a step of shear, chi = 0;
 - `antiplane_edge_speed`, `antiplane_slip_rate`, `antiplane_slip`, `antiplane_traction`,
   `antiplane_edge_intensity`: the zone under a step of antiplane shear, at every chi;
-- `viscous_antiplane_edge_speed`, `viscous_antiplane_slip_rate`: the same where strength grows with
-  slip rate;
-- `viscous_edge_speed`, `viscous_slip_rate`: that in plane, one zone slower than the Rayleigh wave;
+- `viscous_edge_speed`, `viscous_slip_rate`: one zone where strength grows with slip rate, in plane
+  slower than the Rayleigh wave, or antiplane;
 - `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`;
 - `edge_speed_of_opening`, `gap_rate_of_opening`: the contact opens from its edge, under an extra
   pressure on the slot faces;
@@ -30,8 +29,6 @@ from semianalytic.reference.antiplane import (
     antiplane_slip,
     antiplane_slip_rate,
     antiplane_traction,
-    viscous_antiplane_edge_speed,
-    viscous_antiplane_slip_rate,
 )
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
@@ -70,8 +67,6 @@ __all__ = [
     "slip_rate_under_shear_step",
     "slip_rate_without_friction",
     "static_zone",
-    "viscous_antiplane_edge_speed",
-    "viscous_antiplane_slip_rate",
     "viscous_edge_speed",
     "viscous_slip_rate",
     "weertman_pulse",

@@ -1,31 +1,20 @@
 """Antiplane shear in closed form: one slip zone [0, xi_s t] under a step of shear.
 
 In mode III the impedance is M = mu sqrt(b^2 - k^2) and its factor M_+ = sqrt(b + k), so that every
-integral is elementary.  Strength is constant, or grows with slip rate as f p +
-viscosity |V|, when the phase arctan(eta / sqrt(v^2 - b^2)), eta = 2 viscosity, multiplies the
-transform by one more canonical product.  Slip and slip rate are relative, upper minus lower side;
-velocities are x/t.
+integral is elementary under constant strength; `viscous_zone` has that which grows with slip rate.
+Slip and slip rate are relative, upper minus lower side; velocities are x/t.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
-from semianalytic.reference.closed_forms import over_shear_speed, relative_rate
+from semianalytic.reference.closed_forms import over_shear_speed
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
-
-_GAUSS = 80
-_SPACING, _REACH = 0.08, 90.0
-"""Nodes of y in x = l + w / (1 + exp(-y)), which turns powers and logarithms at both ends of an
-interval into exponentials."""
 
 
 def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:
@@ -119,113 +108,6 @@ def antiplane_edge_intensity(material: Material, load_shear: float, strength_rat
     edge = _edge(material, strength_ratio)
     unit = 4 * load_shear / (np.pi * material.shear_impedance)
     return float(unit * np.sqrt(edge / (1 + edge)))
-
-
-def viscous_antiplane_edge_speed(
-    material: Material, strength_ratio: float, viscosity: float
-) -> float:
-    """Return the speed of the edge of the zone if strength grows by viscosity |V| [length / time].
-
-    Parameters
-    ----------
-    material : Material
-    strength_ratio : float
-        As in `antiplane_edge_speed`, at rest; above 0.
-    viscosity : float
-        Strength per relative slip rate [stress time / length], not negative.
-    """
-    return _viscous_zone(material, strength_ratio, viscosity).edge * material.shear_speed
-
-
-def viscous_antiplane_slip_rate(
-    material: Material,
-    load_shear: float,
-    strength_ratio: float,
-    viscosity: float,
-    velocity: ArrayLike,
-) -> Array:
-    """Return the relative slip rate of the viscous antiplane zone at x/t = velocity >= 0."""
-    zone = _viscous_zone(material, strength_ratio, viscosity)
-    xi = over_shear_speed(material, velocity, edge=True)
-    return relative_rate(material, load_shear, xi, zone.slip_rate)
-
-
-@dataclass(frozen=True)
-class _AntiplaneFilm:
-    """The fields of a viscous zone [0, edge], b = mu = Q_0 = 1, one-sided.
-
-    T(k) = A sqrt((b + k) / (u_s + k)) exp(-(1/pi) int theta dv / (v + k)), theta = arctan(eta/m),
-    m^2 = v^2 - b^2 from u_s on; A from T(0) = Q_0.
-    """
-
-    edge: float
-    eta: float
-
-    @cached_property
-    def _nodes(self) -> tuple[Array, Array, Array]:
-        """Values of sin(angle), theta / sin(angle) and weights d sin(angle) on the zone."""
-        node, weight = np.polynomial.legendre.leggauss(_GAUSS)
-        # The root sqrt(1 - xi^2) of the angle theta is smooth in arcsin xi, for edges up to the
-        # wave.
-        last = np.arcsin(self.edge)
-        angle = last * (node + 1) / 2
-        return np.sin(angle), self._density(np.sin(angle)), last / 2 * weight * np.cos(angle)
-
-    def _density(self, xi: Array) -> Array:
-        """Return theta / xi."""
-        return np.asarray(np.arctan2(self.eta * xi, np.sqrt(1 - xi * xi)) / xi)
-
-    def _factor(self, xi: Array, from_edge: Array) -> Array:
-        """Return |T| over sqrt(|b - v| / |u_s - v|), at exact distances |xi - edge|."""
-        at, density, weight = self._nodes
-        own = self._density(xi)
-        # The pole at xi is taken out of the integral and added in closed form, as a logarithm.
-        quotient = (density - own[:, None]) / (at - xi[:, None])
-        exponent = quotient @ weight + own * np.log(from_edge / xi)
-        at_zero = -(density @ weight)
-        return np.asarray(np.exp((xi * exponent - at_zero) / np.pi) / np.sqrt(self.edge))
-
-    def traction_at_edge(self) -> float:
-        """Traction at the edge of the zone, grown from 0 at the shear wave, over Q_0."""
-        from_edge, from_wave, weight = _stretch(1 - self.edge)
-        xi = self.edge + from_edge
-        # The traction is 0 at the shear wave and grows from there to the edge.
-        density = np.sqrt(self.edge * from_wave / from_edge) * self._factor(xi, from_edge) / xi
-        return float(density @ weight / np.pi)
-
-    def slip_rate(self, xi: float) -> float:
-        """Return V at a velocity, over Q_0 / (mu b)."""
-        if xi >= self.edge:
-            return 0.0
-        from_xi, from_edge, weight = _stretch(self.edge - xi)
-        at = xi + from_xi
-        root = np.sqrt(self.edge * (1 - at) / from_edge)
-        impedance = np.hypot(np.sqrt(1 - at * at), self.eta * at) / at  # |M + eta|
-        density = root * self._factor(at, from_edge) / (impedance * at)
-        return float(density @ weight / np.pi)
-
-
-def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _AntiplaneFilm:
-    if not (strength_ratio > 0 and viscosity >= 0):
-        raise SceneError("strength_ratio must be positive, and viscosity not negative.")
-    # The viscosity refers to relative slip rate, the impedance mu b to that of one side.
-    eta = 2 * viscosity / material.shear_impedance
-    last = _edge(material, strength_ratio)
-
-    def excess(edge: float) -> float:
-        return _AntiplaneFilm(edge, eta).traction_at_edge() - strength_ratio
-
-    # Viscosity slows the edge; without any the root lies on the end of the bracket.
-    above = last + 1e-9 * (1 - last)
-    return _AntiplaneFilm(float(brentq(excess, 1e-6 * last, above, xtol=1e-15, rtol=1e-14)), eta)
-
-
-def _stretch(width: float) -> tuple[Array, Array, Array]:
-    """Return distances from both ends of an interval of a width, and weights."""
-    y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
-    # A logistic map: both distances keep their digits, and roots at the ends decay in y.
-    left, right = 1 / (1 + np.exp(-y)), 1 / (1 + np.exp(y))
-    return width * left, width * right, width * _SPACING * left * right
 
 
 def _edge(material: Material, strength_ratio: float) -> float:

@@ -1,4 +1,4 @@
-"""One slip zone under constant pressure where strength grows with slip rate, in plane.
+"""One slip zone under constant pressure where strength grows with slip rate.
 
 Strength f p + viscosity |V| and a step of shear; on slip Im [(1 + eta/M) T] = 0, on stick
 Im (T / M_+) = 0, eta = 2 viscosity.  With one zone v > u_s, slower than c_R,
@@ -7,7 +7,7 @@ Im (T / M_+) = 0, eta = 2 viscosity.  With one zone v > u_s, slower than c_R,
 
 where M(-w + i0) = i m(w), and T(0) = Q_0 gives R.  Inside b = mu = Q_0 = 1, slip rates are
 one-sided, and integrals plain sums over even nodes in y, w - u_s = u_s exp(y) beyond the edge and
-logits before it.  The same in antiplane shear: `antiplane`.
+logits before it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,14 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    rayleigh_factors,
+)
+from semianalytic.reference.antiplane import antiplane_edge_speed
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
     over_shear_speed,
@@ -34,10 +41,12 @@ _STEP, _REACH = 0.4, 76.0
 _NODES = _STEP * (np.arange(-round(_REACH / _STEP), round(_REACH / _STEP)) + 0.5)
 
 
-def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: float) -> float:
+def viscous_edge_speed(
+    material: Material, strength_ratio: float, viscosity: float, mode: Mode = "II"
+) -> float:
     """Return the speed of the edge of the only slip zone [length / time].
 
-    It holds as long as that is below c_R and no second zone has nucleated.
+    In mode II it holds as long as that is below c_R and no second zone has nucleated.
 
     Parameters
     ----------
@@ -46,8 +55,10 @@ def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: flo
         chi_b, friction f P_b over the step Q_0 of shear.
     viscosity : float
         Strength per relative slip rate [stress time / length], not negative.
+    mode : "II" or "III"
+        In-plane or antiplane shear.
     """
-    return material.shear_speed / _viscous_zone(material, strength_ratio, viscosity).edge
+    return material.shear_speed / _viscous_zone(material, strength_ratio, viscosity, mode).edge
 
 
 def viscous_slip_rate(
@@ -56,9 +67,10 @@ def viscous_slip_rate(
     strength_ratio: float,
     viscosity: float,
     velocity: ArrayLike,
+    mode: Mode = "II",
 ) -> Array:
     """Return the relative slip rate of the only zone at x/t = velocity >= 0 [length / time]."""
-    zone = _viscous_zone(material, strength_ratio, viscosity)
+    zone = _viscous_zone(material, strength_ratio, viscosity, mode)
     xi = over_shear_speed(material, velocity, edge=True)
     return relative_rate(material, load_shear, xi, zone.slip_rate)
 
@@ -106,7 +118,7 @@ class _ViscousZone:
     def constant(self) -> float:
         """The constant R, from T(0) = Q_0."""
         at_zero = self._retarded(np.array([self.edge]))[0]
-        return float(1 / (self.factors.m_plus_at_zero["II"] * at_zero))
+        return float(1 / (self.factors.m_plus_at_zero[self.factors.mode] * at_zero))
 
     @cached_property
     def strength(self) -> float:
@@ -151,17 +163,20 @@ class _ViscousZone:
         return np.asarray(share * beyond / (np.pi * self.factors.kappa * v))
 
 
-def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _ViscousZone:
+def _viscous_zone(
+    material: Material, strength_ratio: float, viscosity: float, mode: Mode = "II"
+) -> _ViscousZone:
     if not (strength_ratio > 0 and viscosity >= 0):
         raise SceneError("strength_ratio must be positive, and viscosity not negative.")
-    factors = rayleigh_factors(material.poisson_ratio)
+    factors = rayleigh_factors(material.poisson_ratio, mode)
     eta = 2 * viscosity / material.shear_impedance
 
     def excess(edge: float) -> float:
         return _ViscousZone(factors, eta, edge).strength - strength_ratio
 
-    dry = material.shear_speed / edge_speed_under_shear_step(material, strength_ratio)
-    # Viscosity makes the edge slower than without it, and no zone of this form passes c_R.
+    of_mode = antiplane_edge_speed if mode == "III" else edge_speed_under_shear_step
+    dry = material.shear_speed / of_mode(material, strength_ratio)
+    # Viscosity makes the edge slower than without it, and no zone of this form passes c_R (c_t).
     least = max(dry * (1 - 1e-9), factors.c * (1 + 1e-9))
     edge = brentq(excess, least, 2 * dry * (1 + eta) ** 2, xtol=1e-15, rtol=1e-14)
     return _ViscousZone(factors, eta, float(edge))

@@ -63,8 +63,8 @@ def memory_limit(limit: float | None) -> int:
     )
 
 
-def check_memory(needed: int, limit: float | None, what: str, advice: str) -> None:
-    """Refuse a computation that would take more memory than it may, before it starts.
+def check_memory(needed: int, limit: float | None, what: str, advice: str) -> int:
+    """Return what a computation may take [bytes]; refuse it before it starts if it needs more.
 
     Parameters
     ----------
@@ -89,6 +89,7 @@ def check_memory(needed: int, limit: float | None, what: str, advice: str) -> No
             f"{what} would take {gigabytes(needed)} of memory, and {gigabytes(allowed)} {whose}; "
             f"{advice}."
         )
+    return allowed
 
 
 def gigabytes(amount: int) -> str:

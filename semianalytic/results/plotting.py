@@ -22,7 +22,7 @@ from semianalytic.scene.units import SI
 _POINTS = 800
 _TALLEST = 4.0
 """Largest slip rate drawn, over the one that a hundredth of the points exceed."""
-_SHOWN = {
+SHOWN = {
     "length": ((1e-3, "km"), (1.0, "m"), (1e3, "mm"), (1e6, "µm")),
     "time": ((1.0, "s"), (1e3, "ms"), (1e6, "µs")),
     "stress": ((1e-6, "MPa"), (1e-3, "kPa"), (1.0, "Pa")),
@@ -110,16 +110,16 @@ def shown_units(scene: Any, reach: float, end: float) -> list[tuple[float, str]]
     """Return factors and names of the units of length, time and stress for sizes of x, t and the
     largest traction that a scene states as a number."""
     if scene.units != SI:
-        return [(1.0, unit) for unit in _SHOWN]
+        return [(1.0, unit) for unit in SHOWN]
     stated = (getattr(of, what, 0.0) for of in (scene.base, scene.load) for what in _TRACTIONS)
     most = max(abs(value) if isinstance(value, float | int) else 0.0 for value in stated)
-    units = zip(_SHOWN.values(), (reach, end, most), strict=True)
+    units = zip(SHOWN.values(), (reach, end, most), strict=True)
     return [next((unit for unit in of if unit[0] * size >= 2), of[-1]) for of, size in units]
 
 
 def _labelled(what: str, unit: str) -> str:
     """Return the label of an axis; dimensions stand for units that have no name."""
-    return what if unit in _SHOWN else f"{what} [{unit}]"
+    return what if unit in SHOWN else f"{what} [{unit}]"
 
 
 def scene_title(scene: Any) -> str:
@@ -147,13 +147,13 @@ def scene_title(scene: Any) -> str:
         value = getattr(getattr(scene, of), what)
         number = isinstance(value, float | int)
         if not number or value:
-            words.append(f"{of} {what} {_with_unit(value, pascal) if number else 'varies'}")
+            words.append(f"{of} {what} {shown_number(value, pascal) if number else 'varies'}")
     words += [] if plain else [_kind_of(load)]
     acting = scene.acting_histories.values() if plain else ()
     histories = {type(history).__name__ for history in acting}
     words += sorted(histories - {"Step"})
     if scene.on_line and np.isfinite(scene.period):
-        words.append(f"period {_with_unit(scene.period, metre)}")
+        words.append(f"period {shown_number(scene.period, metre)}")
     words += ["in units of the scene"] * (scene.units != SI)
     return ", ".join(words)
 
@@ -168,9 +168,9 @@ def _kind_of(load: Any) -> str:
     return type(load).__name__ + speed
 
 
-def _with_unit(value: float, unit: tuple[float, str]) -> str:
+def shown_number(value: float, unit: tuple[float, str]) -> str:
     """Return a number with its unit, if that has a name."""
-    return f"{value * unit[0]:.4g}" + (f" {unit[1]}" if unit[1] not in _SHOWN else "")
+    return f"{value * unit[0]:.4g}" + (f" {unit[1]}" if unit[1] not in SHOWN else "")
 
 
 def draw_map(answer: Any, history: Any, ax: Any) -> Any:

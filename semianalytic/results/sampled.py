@@ -254,7 +254,7 @@ class SampledAnswer(Gridded):
         return tuple(self._on_parts(gap, open_intervals))
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Return what happens at x until t, arrivals and fields, each with a bar of its error.
+        """Return arrivals and fields at x until t, each with a bar of its error.
 
         A bar is 1.6 times the largest difference from the companion with half the nodes, within
         two of its nodes around the point and as far in time, and at least its mean over the

@@ -112,7 +112,7 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
             if kind is Scene and '{"function": ' in group.attrs[name]:
                 raise DataFileError(
                     "the file holds the answer of a scene with functions of Python, which no file "
-                    "can hold; give the scene as well: sf.load(path, scene)."
+                    "can contain; give the scene as well: sf.load(path, scene)."
                 )
             values[name] = scene_from_document(value) if kind is Scene else value
         elif name in group and not hasattr(group[name], "shape"):

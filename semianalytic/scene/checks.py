@@ -48,6 +48,12 @@ def plain(value: Any) -> Any:
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
+def meant(name: str, known: Iterable[str], others: str, cutoff: float = 0.6) -> str:
+    """Return a hint at the known name that is most like an unknown one, else at the others."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=cutoff)
+    return f"did you mean {close[0]}?" if close else others
+
+
 def among(value: object, words: Collection[str]) -> bool:
     """Return whether a value is one of some words; arrays, which compare in parts, are none."""
     return isinstance(value, str) and value in words
@@ -183,9 +189,7 @@ def check_keys(
     known = (*needed, *optional)
     for key in table:
         if key not in known:
-            close = difflib.get_close_matches(key, known, n=1)
-            others = f"known are {', '.join(known) or 'none'} (docs/not_here.md)."
-            hint = f"did you mean {close[0]}?" if close else others
+            hint = meant(key, known, f"known are {', '.join(known) or 'none'} (docs/not_here.md).")
             raise SceneError(f"unknown key {prefix}{shown(key)[1:-1]}; {hint}")
     for key in needed:
         if key not in table:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class SlipfrontError(Exception):
-    """Base class of all errors of this package; the message is one sentence saying what to change.
+    """Base class of all errors of this package; the message, one sentence, states what to change.
 
     Examples
     --------

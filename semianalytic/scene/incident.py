@@ -334,7 +334,7 @@ def overridden_load(
         if missing or not waved.keys() & {"velocity", "stress"}:
             raise SceneError(
                 "load: an incident wave needs its kind, its angle, and a velocity or a stress; the "
-                "scene's load is none."
+                "scene has no such load."
             )
         return IncidentWave(**waved)
     if given and isinstance(load, IncidentWave):

@@ -116,7 +116,7 @@ class Patch(LineLoad):
     def __post_init__(self) -> None:
         if isinstance(self.speed, int | float) and self.speed == 0:
             raise SceneError(
-                "patch: its ends must move; for a load that stays on a stretch give an "
+                "patch: its ends must move; for a load on a fixed interval give an "
                 "InterfaceLoad, a function of x, and the contact of the scene."
             )
         object.__setattr__(self, "speed", checked_size("patch: speed", self.speed))

@@ -108,7 +108,7 @@ def check_pieces(name: str, history: LoadHistory) -> None:
 class LoadHistory(ABC):
     """A load history f(t), the sum of its pieces.
 
-    Everything that solvers ask of a history follows from `pieces` and `turn`; a history of your own
+    All that solvers need of a history follows from `pieces` and `turn`; a history of your own
     is a frozen dataclass that defines both.
 
     Examples

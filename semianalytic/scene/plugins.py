@@ -86,7 +86,7 @@ class Plugin:
     def error(self, failing: str) -> PluginError:
         """Make the error that says what is wrong with the plugin, and what to do."""
         return PluginError(
-            f"{self.what[0].upper()}{self.what[1:]} {failing}; mend or uninstall that package."
+            f"{self.what[0].upper()}{self.what[1:]} {failing}; repair or uninstall that package."
         )
 
 

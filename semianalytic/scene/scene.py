@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.scene.checks import among, check_keys, shown
+from semianalytic.scene.checks import among, check_keys, checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
@@ -122,7 +122,7 @@ class Scene(AlongLine):
     ------
     SceneError
         If friction is negative or not finite, if the mode or the place of the load is unknown, if
-        the base, or what a remote load makes of it, presses the interface apart, if the base cannot
+        the base, alone or with a remote load, is a tension, if the base cannot
         be at rest, if a remote load is no step, or if friction falls with slip rate faster than
         radiation can balance under the pressure in place.
 
@@ -178,6 +178,11 @@ class Scene(AlongLine):
                     f"scene: {name} must be a {known}, got {shown(getattr(self, name))}."
                 )
         check_keys("run.", self.run, (), RUN)
+        for name, value in self.run.items():
+            if name in ("nodes", "every", "frames"):
+                checked_count(f"scene: run.{name}", value, 1, "a whole number from")
+            else:
+                checked_size(f"scene: run.{name}", value)
         # Equal bodies are one problem, however it is stated.
         if self.lower_material == self.material:
             object.__setattr__(self, "lower_material", None)
@@ -272,7 +277,7 @@ class Scene(AlongLine):
         name = f"a load of the kind {type(self.load).__name__}"
         if self.load_on != SLOT:
             raise SceneError(
-                f"scene: {name} says itself where it acts; leave out load_on, which is for "
+                f"scene: {name} determines where it acts; leave out load_on, which is for "
                 "tractions."
             )
         if not isinstance(self.load, IncidentWave):
@@ -466,8 +471,8 @@ class Scene(AlongLine):
         if self.front_slowness and self.far_slip_rate:
             raise SceneError(
                 "solve: the wave alone exceeds friction, so that the contact slips from its front "
-                "on, before anything comes from the slot; lower the wave, or raise friction or the "
-                "base pressure (docs/limits.md)."
+                "on, before any wave from the slot arrives; lower the wave, or raise friction or "
+                "the base pressure (docs/limits.md)."
             )
 
     def check_self_similar(self) -> None:

@@ -145,6 +145,11 @@ def unit(dimension: str, units: str = "") -> str:
     return named or dimension.replace(" / ", "/")
 
 
+def with_unit(value: float, dimension: str, units: str, digits: int = 4) -> str:
+    """Write a value to some digits, with its unit if the scene is in a system of units."""
+    return f"{value:.{digits}g} {unit(dimension, units)}" if units else f"{value:.{digits}g}"
+
+
 def size_of(name: str, dimension: str) -> float | None:
     """Return the factor from a unit with a common prefix to that of the SI; None for others."""
     return _SIZES.get(dimension, {}).get(name.strip())

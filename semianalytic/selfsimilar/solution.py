@@ -56,7 +56,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
     ----------
     scene : Scene
     status : str
-        "converged", or a sentence that says what to distrust.
+        "converged", or a sentence on what is unreliable.
     error_estimate : float
         Estimate, meant as a bound, of the errors of
 
@@ -322,7 +322,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         return first_times(x, (zone for zone in self._motion if zone.sense in senses))
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Return what happens at x until t, arrivals and fields, each with a bar of its error.
+        """Return arrivals and fields at x until t, each with a bar of its error.
 
         Errors of edges are `error_estimate` times c_t.  Those of fields are that share of the
         scales at `error_estimate`, and what a shift of all edges by their error changes, so that
@@ -369,7 +369,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         return Surroundings(at_the_front(self.profile))
 
     def derivative(self, name: str) -> Derivative:
-        """Return the derivative of zones and fields with respect to a parameter, all others held.
+        """Return the derivative of zones and fields with respect to one parameter alone.
 
         The conditions at the zone edges are differentiated implicitly, at about the cost of the
         solution.
@@ -383,7 +383,7 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         Returns
         -------
         Derivative
-            Its `status` says where zones are about to change: it then holds to one side only.
+            Its `status` says where zones are about to change: it is then valid on one side only.
 
         Raises
         ------

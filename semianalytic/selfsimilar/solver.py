@@ -104,27 +104,10 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
     2
     """
     scene = scene_of_one_solid("solve", scene)
-    scene.check_self_similar()
-    rtol = checked_number(
-        "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
-    )
-    check_pressure(scene)
-    # strength that depends on slip rate other than linearly, as that of a viscous film does
-    rated = type(scene.law) is not Coulomb
-    if rated and contact_opens(scene):
-        raise SceneError(
-            "solve: where the contact opens friction that falls with slip rate is not known; make "
-            "base pressure larger, or simulate the scene with finite elements (docs/limits.md)."
-        )
-    if rated:
+    rtol = checked_rtol(scene, rtol)
+    if is_rated(scene):
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
-    if load.resistance is not None and load.resistance > tuning.STRONGEST_RESISTANCE:
-        raise SceneError(
-            "solve: under so large a viscosity slip is below rounding; make it less than "
-            f"{tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2:.3g} "
-            "(docs/limits.md)."
-        )
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     # The normal problem comes first: slip does not change the pressure.
     load, normal = with_opening(load, factors, rtol)
@@ -159,6 +142,32 @@ def solve(scene: Scene | str | PathLike[str], *, rtol: float = 1e-8) -> Solution
         *(status, estimate, best.steps, clock[-1] - clock[0]),
     )
     return Solution(scene, status, estimate, statistics, best.profile, stress, normal)
+
+
+def is_rated(scene: Scene) -> bool:
+    """Return whether strength depends on slip rate other than linearly, as under a film."""
+    return type(scene.law) is not Coulomb
+
+
+def checked_rtol(scene: Scene, rtol: float) -> float:
+    """Return rtol as a number; raise what `solve` raises before it begins."""
+    scene.check_self_similar()
+    rtol = checked_number(
+        "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
+    )
+    check_pressure(scene)
+    if is_rated(scene) and contact_opens(scene):
+        raise SceneError(
+            "solve: where the contact opens friction that falls with slip rate is not known; make "
+            "base pressure larger, or simulate the scene with finite elements (docs/limits.md)."
+        )
+    strongest = tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2
+    if isinstance(scene.law, Coulomb) and scene.law.viscosity > strongest:
+        raise SceneError(
+            "solve: under so large a viscosity slip is below rounding; lower it below "
+            f"{strongest:.3g} (docs/limits.md)."
+        )
+    return rtol
 
 
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
@@ -211,7 +220,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
 
 
 def _status(best: Trial, estimate: float, rtol: float) -> str:
-    """Return "converged", or a sentence that says what to distrust."""
+    """Return "converged", or a sentence on what is unreliable."""
     nearly = _nearly_at_friction(best.profile.fields.load)
     if not best.lawful:
         return "no set of slip zones was found that fulfils Coulomb's law everywhere" + nearly

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -54,27 +53,6 @@ class ContinuedZones:
     tolerances: Array
     steps: int
     nodes: int
-
-
-def batches(
-    edges: Edges, starts: Sequence[Array], trusted: Sequence[bool] | None = None
-) -> Iterator[list[int]]:
-    """Group sets of zones that may share panels, those of trusted predictions last.
-
-    In a group every edge lies on one side of every cut, at which panels are divided.
-    """
-    groups: dict[tuple, list[int]] = {}
-    for j, unknowns in enumerate(starts):
-        points = edges.points(unknowns)
-        sides = [[p.first_below(cut) for cut in edges.factors.cuts] for p in points]
-        groups.setdefault(tuple(np.ravel(sides).tolist()), []).append(j)
-    for group in groups.values():
-        if trusted is not None:
-            group.sort(key=lambda j: trusted[j])
-        # Rounded up, and split evenly: a last batch of a few sets would cost nearly as much as a
-        # full one.
-        parts = -(-len(group) // tuning.BATCH)
-        yield from (part.tolist() for part in np.array_split(group, parts))
 
 
 @dataclass(frozen=True)

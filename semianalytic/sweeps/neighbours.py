@@ -1,4 +1,4 @@
-"""Interpolation from scattered neighbours by local polynomials of two variables."""
+"""Interpolation from scattered neighbours by local polynomials of one or two variables."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Blends:
 
 @dataclass(frozen=True, eq=False)
 class Neighbourhood:
-    """Points (n, 2) at which values are known."""
+    """Points (n, d) at which values are known, d = 1 or 2."""
 
     places: Array
 
@@ -76,28 +76,26 @@ class Neighbourhood:
         return cKDTree(self.places)
 
     def nearest(self, to: Array, count: int) -> np.ndarray:
-        """Return indices (t, m) of the m <= count points nearest to others (t, 2), in order."""
+        """Return indices (t, m) of the m <= count points nearest to others (t, d), in order."""
         count = min(count, len(self.places))
         return np.asarray(self._tree.query(to, count)[1]).reshape(len(to), count)
 
     def stencils(self, to: Array) -> Stencils:
-        """Return local polynomials around points (t, 2), by weighted least squares."""
+        """Return local polynomials around points (t, d), by weighted least squares."""
         near = self.nearest(to, 32)  # known points that a polynomial is fitted to
         offset = self.places[near] - to[:, None]
         # Offsets over the distance of the farthest neighbour lie in the unit disc, so that
         # monomials of any degree stay comparable.
-        radius = np.hypot(*np.moveaxis(offset, -1, 0)).max(axis=1)
+        radius = np.linalg.norm(offset, axis=-1).max(axis=1)
         offset = offset / np.where(radius > 0, radius, 1.0)[:, None, None]
-        x, y = np.moveaxis(offset, -1, 0)
-        terms = [np.ones(near.shape)]
+        x, *others = np.moveaxis(offset, -1, 0)
+        terms = last = [np.ones(near.shape)]
         degrees = [1]
-        while True:
-            degree = len(degrees)
-            if len(terms) + degree + 1 > near.shape[1] / 1.4:
-                break
+        while len(terms) + len(last) + len(others) <= near.shape[1] / 1.4:
             # The monomials of the next degree: x times each of the last degree, and y times its
             # last one, y^d.
-            terms += [*(x * term for term in terms[-degree:]), y * terms[-1]]
+            last = [*(x * term for term in last), *(y * last[-1] for y in others)]
+            terms = terms + last
             degrees.append(len(terms))
         distance = np.square(offset).sum(axis=-1)
         # Near neighbours count more, by the inverse distance; the constant keeps one that coincides

@@ -1,40 +1,37 @@
-"""Zones over friction and Poisson ratio: found at a few points, followed to the others.
+"""Zones over friction, or friction and Poisson ratio: found at few points, followed to others.
 
 Points are taken lattice by lattice, each twice as fine as the one before.  At every point the
 edges are predicted by polynomials through those of the nearest points that have the same zones.
 Where neighbours agree on the zones and polynomials on the edges, a prediction is corrected on the
 loose rule: what that rule lacks is known at neighbours, and as smooth as the edges.  Elsewhere it
-is corrected on the fine rule like those of `continuation`, and becomes a neighbour others rest on;
-where it fails, the point is solved from scratch.
+is corrected on the fine rule (`batches`), and becomes a neighbour others rest on; where it fails,
+the point is solved from scratch.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
 from operator import itemgetter
 from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.load import common_load, scaled_load
+from semianalytic.cut.load import common_load, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.search import loose_search
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.solver import is_rated, solve
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, shift_error
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import ZoneSets, continued
-from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import (
     Followed,
@@ -46,11 +43,15 @@ from semianalytic.sweeps.predictions import (
     predicted,
 )
 
+FROM_SCRATCH, COMPUTED, INTERPOLATED = "from scratch", "computed", "interpolated"
+"""Origins of a solution: without help from neighbours, corrected from a prediction on the fine
+rule, or on the loose rule alone."""
+
 
 class Plane:
-    """The solutions so far of scenes that differ in friction and Poisson ratio."""
+    """The solutions so far of scenes that differ in friction and Poisson ratio, or in friction."""
 
-    def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
+    def __init__(self, scenes: Sequence[Scene], rtol: float, unit: float | None = None) -> None:
         self.scenes, self.rtol = scenes, rtol
         self.loose = rule_for(loose_tolerance(rtol))
         ratio = np.array([scene.material.poisson_ratio for scene in scenes])
@@ -58,21 +59,32 @@ class Plane:
         both = np.stack([friction, ratio], axis=1)
         span = np.ptp(both, axis=0)
         # Distances between points are taken in the unit square, whatever the ranges of friction and
-        # Poisson ratio.
-        self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
-        self.family = rayleigh_family(ratio)
+        # Poisson ratio, or, with one ratio, on a line.
+        varied = [0, 1] if span[1] else [0]
+        self.places = ((both - both.min(axis=0)) / np.where(span > 0, span, 1.0))[:, varied]
+        ratios, first = np.unique(ratio, return_index=True)
+        # Tables of many solids at once are those of loads in the plane that come at once.
+        several = len(ratios) > 1
+        alone = rayleigh_factors(float(ratios[0]), scenes[0].shear_mode)
+        self.family = rayleigh_family(ratio) if several else alone
         # The hidden root nearest to the cut makes the rule of a batch, on which others then lack
         # less than on their own.  Steps are half powers of two.
-        hidden, a = self.family.hidden_root[:, 0], self.family.a[:, 0]
-        angle = np.where(hidden.imag > 0, np.abs(np.angle((hidden - a) / (1 - hidden))), np.pi)
+        self.hidden = np.resize(self.family.hidden_root, len(scenes))
+        self.hiding = np.resize(self.family.hiding, len(scenes))
+        a = np.resize(self.family.a, len(scenes))
+        away = np.abs(np.angle((self.hidden - a) / (1 - self.hidden)))
+        angle = np.where(self.hidden.imag > 0, away, np.pi)
         self.strip = np.round(2 * np.log2(np.maximum(angle, 1e-3)))
-        ratios, first = np.unique(ratio, return_index=True)
+        # Where they open, or depend on slip rate in any way, the batches do not follow zones: such
+        # scenes are left to `solve`.
+        opens = {nu: contact_opens(scenes[i]) for nu, i in zip(ratios.tolist(), first, strict=True)}
+        self.followed = ~np.array([is_rated(scenes[0]) or opens[nu] for nu in ratio.tolist()])
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
         # Loads do not depend on the Poisson ratio.
         _, first, own = np.unique(friction, return_index=True, return_inverse=True)
         each = [scaled_load(scenes[i]) for i in first]
         self.loads = [each[number] for number in own]
-        self.unit = min(unit for _, unit in each)
+        self.unit = unit or min(unit for _, unit in each)
         self.load = common_load(scenes, self.unit)
         # Zones slip ahead of all waves only where friction is reached there.
         self.still = np.array([not load.far_slip_rate for load, _ in each])[own]
@@ -86,30 +98,31 @@ class Plane:
         for targets in self._lattices():
             self._advance(targets)
 
-    @cached_property
-    def _closed(self) -> np.ndarray:
-        """Whether the contact stays closed at the Rayleigh front and at its edge, (n,)."""
-        # Scenes that open are left to `solve`: under a negative step the pressure is minus infinity
-        # at the contact edge, under a positive one it is least at c_R.
-        base, step = (part.pressure for part in self.scenes[0].superposition)
-        change = traction_of(self.family, "I")(self.family.c)[:, 0]
-        return np.asarray((step >= 0) & (base + step * change >= 0))
+    def extended(self, scenes: Sequence[Scene]) -> Plane:
+        """Return a plane of these scenes too, of other frictions, which the known ones help."""
+        every = {scene.coefficient: scene for scene in (*scenes, *self.scenes)}
+        places = {friction: i for i, friction in enumerate(sorted(every))}
+        longer = Plane([every[friction] for friction in places], self.rtol, self.unit)
+        for name in ("solutions", "origin", "zones"):
+            for i, known in getattr(self, name).items():
+                getattr(longer, name)[places[self.scenes[i].coefficient]] = known
+        return longer
 
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
         # The first has three points to a side, each further one twice as many spaces.
         left, spaces = np.ones(len(self.scenes), dtype=bool), 2
-        everywhere = Neighbourhood(self.places)
-        while (spaces + 1) ** 2 < len(self.scenes):
+        everywhere, sides = Neighbourhood(self.places), self.places.shape[1]
+        while (spaces + 1) ** sides < len(self.scenes):
             side = np.linspace(0, 1, spaces + 1)
-            lattice = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+            lattice = np.stack(np.meshgrid(*[side] * sides), axis=-1).reshape(-1, sides)
             nearest = np.unique(everywhere.nearest(lattice, 1))
             yield nearest[left[nearest]]
             left[nearest] = False
             # Each lattice contains the one before, so that most points are predicted from
             # neighbours all around them and at half their distance.
-            spaces *= 2
+            spaces *= 4 // sides
         yield np.flatnonzero(left)
 
     def _advance(self, targets: np.ndarray) -> None:
@@ -134,7 +147,7 @@ class Plane:
         self, targets: np.ndarray, rank: int
     ) -> dict[Pattern, tuple[np.ndarray, np.ndarray]]:
         """Group points by the pattern of a rank around, with whether all around have it."""
-        targets = targets[self._closed[targets] & self._unsolved(targets)]
+        targets = targets[self.followed[targets] & self._unsolved(targets)]
         known = np.array(list(self.zones))
         around = Neighbourhood(self.places[known])
         near = known[around.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
@@ -173,8 +186,8 @@ class Plane:
         if not len(which):
             return
         edges = self._edges(pattern, which)
-        parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
-        beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
+        parts, hiding = edges.parts(unknowns.T), self.hiding[which]
+        beyond = (hiding == 2) & (parts[0] > self.hidden.real[which])
         distances = np.abs(parts[1:])
         keys = np.concatenate([[hiding == 2, self.strip[which] * measured], beyond])
         _, group = np.unique(keys, axis=1, return_inverse=True)
@@ -237,7 +250,7 @@ class Plane:
 
     def _from_scratch(self, targets: list[int]) -> None:
         """Solve points without help; those whose zones are found on the loose rule help others."""
-        self._search([i for i in targets if self._closed[i]])
+        self._search([i for i in targets if self.followed[i]])
         for i in targets:
             if i not in self.origin:
                 self.solutions[i] = solve(self.scenes[i], rtol=self.rtol)

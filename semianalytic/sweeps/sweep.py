@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -22,7 +23,8 @@ from semianalytic.scene.given.finding import scene_of_one_solid
 from semianalytic.scene.laws.kinds import checked_friction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
+from semianalytic.selfsimilar.solver import checked_rtol
+from semianalytic.sweeps.plane import FROM_SCRATCH, Plane
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 _OF_SWEEPS = {
@@ -47,7 +49,7 @@ class Sweep:
     Attributes
     ----------
     scene : Scene
-        The scene; its own friction plays no part.
+        The scene; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in the order asked for.
     poisson_ratio : (n,) array
@@ -57,7 +59,7 @@ class Sweep:
     origin : tuple of str
         Origin of each solution.  "from scratch": solved without help from neighbours; "computed":
         edges corrected from a prediction, and checked like those from scratch; "interpolated"
-        between solutions with the same zones, edges and Coulomb's law checked on a loose rule only.
+        between solutions with the same zones, and corrected on a rule that is loose.
 
     Examples
     --------
@@ -168,7 +170,7 @@ class Sweep:
 
     @property
     def status(self) -> tuple[str, ...]:
-        """Status of each solution; "converged", or a sentence saying what to distrust."""
+        """Status of each solution; "converged", or a sentence on what is unreliable."""
         return tuple(solution.status for solution in self.solutions)
 
     @property
@@ -204,7 +206,7 @@ def sweep(
     Parameters
     ----------
     scene : Scene, str or path
-        The scene, or its name or file as for `find`; its own friction plays no part.
+        The scene, or its name or file as for `find`; its own friction is not used.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float
@@ -218,11 +220,8 @@ def sweep(
     -------
     Sweep
         Solutions that are "from scratch" or "computed" have passed the same checks as that of
-        `solve`.  Those "interpolated" lie between such with the same zones.  Over friction their
-        Coulomb inequalities and their edges were checked on the loose rule only (to 1e-3 and, in
-        edge unknowns, 1e-2); finer than that they rest on the difference of interpolations through
-        fewer and more neighbours.  Over friction and Poisson ratio their edges fulfil the edge
-        conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
+        `solve`.  Those "interpolated" lie between such with the same zones.  Their edges fulfil the
+        edge conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
         inequalities are checked there to 1e-3, near other zones to `rtol` on the fine rule.
 
     Raises
@@ -264,7 +263,9 @@ def sweep(
     solutions, origin = _solved(scene, points, rtol)
     place = np.ravel(place)
     chosen = tuple(solutions[i] for i in place)
-    return Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    swept = Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+    logging.getLogger(__name__).info("%r", swept)
+    return swept
 
 
 def _numbers(name: str, given: np.ndarray) -> Array:
@@ -277,7 +278,7 @@ def _numbers(name: str, given: np.ndarray) -> Array:
 
 def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], list[str]]:
     """Return the solutions at Poisson ratios and frictions (2, n), in order, and their origins."""
-    scenes = _scenes(scene, points)
+    scenes = _scenes(scene, points, rtol)
     coulomb = isinstance(scene.friction, float) and scene.shear_mode == "II"
     # tables of many solids at once are those of loads that come at once
     coulomb = coulomb and not scene.front_slowness
@@ -285,27 +286,25 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     # in the plane.
     several = len(set(points[0].tolist()))
     scattered = len(scenes) < 400 * several
-    runs: list[Any] = []
+    bounds = [0, len(scenes)]
     # Neighbours of other Poisson ratios help from 300 points on.
-    if coulomb and scattered and several > 1 and len(scenes) >= 300:
-        from semianalytic.sweeps.plane import Plane  # here, for a quick import
-
-        runs.append(Plane(scenes, rtol))
-    else:
-        # Where the Poisson ratio changes in the sorted list, a new continuation begins.
-        bounds = [0, *(np.flatnonzero(np.diff(points[0])) + 1), len(scenes)]
-        runs += [Continuation(scenes[start:stop], rtol) for start, stop in pairwise(bounds)]
+    if not (coulomb and scattered and several > 1 and len(scenes) >= 300):
+        # Where the Poisson ratio changes in the sorted list, a new line begins.
+        bounds[1:1] = (np.flatnonzero(np.diff(points[0])) + 1).tolist()
     solutions: list[Solution] = []
     origin: list[str] = []
-    for run in runs:
+    for start, stop in pairwise(bounds):
+        if start == stop:  # nothing was asked for
+            break
+        run = Plane(scenes[start:stop], rtol)
         run.run()
         solutions += [run.solutions[i] for i in range(len(run.scenes))]
         origin += [run.origin[i] for i in range(len(run.scenes))]
     return solutions, origin
 
 
-def _scenes(scene: Scene, points: Array) -> list[Scene]:
-    """Return a scene at Poisson ratios and frictions (2, n).
+def _scenes(scene: Scene, points: Array, rtol: float) -> list[Scene]:
+    """Return a scene at Poisson ratios and frictions (2, n), all of which can be solved to rtol.
 
     A condition on the least and the largest friction suffices: these alone are checked.
     """
@@ -315,6 +314,7 @@ def _scenes(scene: Scene, points: Array) -> list[Scene]:
         for friction in (points[1].min(), points[1].max()):
             law = scene.law.with_coefficient(float(friction))
             checked = replace(scene, material=material, friction=law)
+            checked_rtol(checked, rtol)
         names = {*(field.name for field in fields(checked)), "_made_in_si"}
         parts[ratio] = {name: part for name, part in vars(checked).items() if name in names}
     coefficients = set(points[1].tolist())

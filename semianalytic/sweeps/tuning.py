@@ -7,17 +7,8 @@ within 1 %.  All answers converged throughout, and errors of edges stayed below 
 estimates.
 """
 
-# Which frictions to try next (continuation)
-
-HALVED_GAP = 3
-"""Gaps up to this are halved. Half: 7 % more work; twice: 7 times the error."""
-MOST_INTERPOLATED = 8
-"""Frictions that an interpolation goes through. Half, twice: 27 to 30 of 240 answers change."""
-
 # Correction of many frictions at once (batches)
 
-BATCH = 24
-"""Sets of zones in one batch: more leave the processor's cache."""
 MOST_STEPS = 4
 """Newton steps on the loose rule, chord steps on a fine one. Half: work 2 % more."""
 NEAR = 2e-3
@@ -37,13 +28,10 @@ LOOSEST_LAW = 1e-4
 COARSEST = 1e-3
 """Tolerance of the rule on which edges are approached to `NEAR`: 1e-4 takes 5 to 10 % longer."""
 
-# Interpolation between frictions (interpolation)
+# Neighbours among friction and Poisson ratio (neighbours, plane)
 
 LOOSE_CHECK = 10
 """Coulomb's law of interpolated zones, in tolerances of the loose rule."""
-
-# Neighbours among friction and Poisson ratio (neighbours, plane)
-
 CERTAIN_NEIGHBOURS = 8
 """Nearest known points that have the same zones where these are not doubted."""
 LACK_ORDER = 1.25

@@ -239,8 +239,3 @@ class LineSolution(SelfSimilarAnswer):
         # The integral of the rate over x grows as t, and its integral over time as t^2 / 2.
         unit = self._rate_unit * self.scene.material.shear_speed * area / 2
         return np.asarray(unit * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
-
-    @cached_property
-    def excess_at_shear_wave(self) -> float:
-        """Traction ahead of the zone at the shear wave, above the base [stress]."""
-        return self._stress_unit * self.spreading.turning[0]

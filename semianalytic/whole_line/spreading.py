@@ -227,15 +227,15 @@ def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
     if excess(_NEAREST) > 0:
         wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
         raise SceneError(
-            f"whole line: no edge slower than the {wave} wave holds this load, whose excess is too "
-            "large; what is missing to motion must be more than "
+            f"whole line: no edge slower than the {wave} wave carries this load, whose excess is "
+            "too large; what the base lacks to overcome friction must be more than "
             f"{least_missing(factors, patch):.4g} of it, got {missing:.4g}: raise friction or "
             "pressure, or lower the load."
         )
     if excess(farthest) < 0:
         raise SceneError(
-            "whole line: the edge keeps to the end of the patch within rounding; nothing moves "
-            "outside, and what is missing to motion must be less of the excess, got "
+            "whole line: the edge is at the end of the patch within rounding; nothing moves "
+            "outside, and what the base lacks to overcome friction must be less of the excess, got "
             f"{missing:.17g}."
         )
     # The unknown is a logarithm, so that an edge near the wave, or near the patch, keeps all

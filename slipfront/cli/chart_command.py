@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +15,7 @@ from compare.output.progress import progress_bar
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from slipfront.cli.options import AsJson, FiguresForm, Quiet, asked, measured_option
+from slipfront.cli.options import AsJson, FiguresForm, Quiet, asked, in_seconds, measured_option
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json
 
@@ -38,18 +39,24 @@ def chart(
     ] = None,
     figures: FiguresForm = "png",
     fresh: Annotated[bool, typer.Option("--fresh", help="Repeat finished measurements.")] = False,
+    budget: Annotated[
+        str,
+        typer.Option(metavar="TIME", help="Time for each scene, such as 30s, 5min or 1h."),
+    ] = "40s",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Chart the error of each method that answers a scene against its computing time.
 
-    The reference is the exact answer of a self-similar scene, otherwise a fine march.  A scene
-    takes about a minute; an interrupted chart goes on where it ended.
+    The reference is the exact answer of a self-similar scene, otherwise a fine march.  What the
+    budget has no room for is listed; the same command measures it, as after an interrupt.
     """
     require("slipfront chart", *FEM, *PLOT)
     from compare.chart.figure import chart_document, described, write_chart
     from compare.chart.methods import find_problem
-    from compare.chart.points import measure_all
+    from compare.chart.points import measure_all, not_measured
+
+    seconds = in_seconds(budget) or math.inf
 
     problems = [find_problem(source) for source in scenes or [DEFAULT_SCENE]]
     if end_time is not None:
@@ -60,10 +67,14 @@ def chart(
     with working_folder(directory) as files:
         with progress_bar(notes, quiet, "measuring") as progress:
             tell = None if quiet else partial(notes.print, highlight=False)
-            points = measure_all(directory, problems, end_time, fresh, progress, tell)
+            points = measure_all(directory, problems, end_time, fresh, progress, tell, seconds)
         write_chart(directory, points, [problem.label for problem in problems], figures)
+    missing = not_measured(problems, points)
     if as_json:
-        print_json("chart", chart_document(points), files=files)
+        print_json("chart", {**chart_document(points), "not_measured": missing}, files=files)
         return
+    if missing:
+        listed = ", ".join(f"{label} {method} {setting:g}" for label, method, setting in missing)
+        notes.print(f"Not measured within --budget {budget}: {listed}.", markup=False)
     for part in (*described(points), f"Written to {directory}/"):
         Console().print(part, highlight=False, markup=False)

@@ -45,6 +45,7 @@ from slipfront.cli.endings.refusals import (
     specimen_settings,
     without_effect,
 )
+from slipfront.cli.marching import shares_of
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.simulate_command import simulate_into, with_error_bars
 
@@ -158,7 +159,7 @@ def compare_command(
             )
         if prediction is None:
             with progress_bar(notes, quiet, "marching") as progress:
-                prediction = predict_like(simulation, method, progress)
+                prediction = predict_like(simulation, method, shares_of(progress))
         with progress_bar(notes, quiet, "fields") as progress:
             judgement = judge(prediction, simulation, frames if written else None, progress)
         write_comparison(judgement, label, directory, figures)

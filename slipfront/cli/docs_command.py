@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +12,7 @@ from rich.markdown import Markdown
 from rich.markup import escape
 
 from compare.output.printed import PrintedTable
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from slipfront.cli.options import AsJson
 from slipfront.cli.terminal import print_json
@@ -72,8 +71,7 @@ def found_page(name: str) -> Path:
     stem = name.rsplit("/", 1)[-1].removesuffix(".md")
     if stem in known:
         return known[stem]
-    close = difflib.get_close_matches(stem, known, n=1)
-    hint = f"did you mean {close[0]}?" if close else "'slipfront docs' lists them."
+    hint = meant(stem, known, "'slipfront docs' lists them.")
     raise SceneError(f"There is no page called {shown(name)}; {hint}")
 
 

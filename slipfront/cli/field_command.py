@@ -183,7 +183,7 @@ def field_command(
                 settings = {**march_options, "end_time": time}
                 if "memory" in settings:
                     settings["memory"] = in_bytes(settings["memory"])
-                settings["progress"] = shares_of(scene, progress)
+                settings["progress"] = shares_of(progress)
                 answer: Any = solve(scene, method="space-time", **settings)
         else:
             answer = solve(scene, method="self-similar")

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +14,7 @@ from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
 from semianalytic import Marched, Scene, solve
 from semianalytic.results.files import write_bytes
-from semianalytic.results.interruption import deferred_interrupt
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.extras import HDF5, XARRAY, require
 from slipfront.cli import terminal
 from slipfront.cli.endings.interruption import INTERRUPTED
@@ -64,20 +61,10 @@ def march_command(
 
     notes = Console(stderr=True)
     bar = progress_bar(notes, quiet or as_json, "marching")
-    with bar as show, deferred_interrupt() as interruption:
-        shares = shares_of(scene, show)
-
-        def progress(done: float, whole: float) -> bool:
-            shares(done, whole)
-            return interruption.pressed
-
+    with bar as show:
         saved: Any = None
         if earlier is not None:
             saved = Marched.load(earlier)
-            if scene.on_line and scene.period == math.inf:
-                scene = replace(scene, period=saved.scene.period)
-            if saved.scene != scene:
-                raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
             kept = {"no_estimate"} if scene.on_line else {"memory"}
             if given := [name for name in options if name not in kept]:
                 raise without_effect(given[0], "go_on")
@@ -89,15 +76,14 @@ def march_command(
             options["memory"] = in_bytes(options["memory"])
         if options.pop("no_estimate", False):
             options["estimate"] = False
-        done: Any = solve(scene, method="space-time", progress=progress, **options)
+        done: Any = solve(scene, method="space-time", progress=shares_of(show), **options)
     if netcdf:
         # In memory first, for HDF5 files are spoiled if the disk becomes full.
         content = done.to_xarray().to_netcdf(engine="h5netcdf")
         save_somewhere(lambda path: write_bytes(path, content), save, save.name)
     elif save is not None:
         save_somewhere(done.save, save, save.name)
-    # a march along a line notes the signal itself
-    if interruption.pressed or done.status.startswith("interrupted"):
+    if done.is_interrupted:  # a march notes the signal itself
         if save is not None:
             notes.print(f"{save} holds the march until t = {done.end_time:.6g}.", highlight=False)
         raise typer.Exit(INTERRUPTED)
@@ -112,11 +98,9 @@ def march_command(
     check_marched(done, label)
 
 
-def shares_of(scene: Scene, show: Callable[[int, int], object]) -> Callable[[float, float], object]:
-    """Return what shows the progress of a march: its steps, or its times along a line."""
-    if not scene.on_line:
-        return lambda done, steps: show(int(done), int(steps))
-    return lambda time, end: show(int(_SHARES * time / end), _SHARES)
+def shares_of(show: Callable[[int, int], object]) -> Callable[[float, float], object]:
+    """Return what shows the progress of a march."""
+    return lambda time, end: show(int(_SHARES * max(time, 0.0) / end), _SHARES)
 
 
 def check_marched(marched: Any, label: str) -> None:

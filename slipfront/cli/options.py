@@ -5,11 +5,11 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
@@ -81,14 +81,6 @@ Method = Annotated[
 ]
 
 
-class HasUnits(Protocol):
-    """A scene, of which only the units matter."""
-
-    @property
-    def units(self) -> str:
-        """System of units of its numbers, or "" for none."""
-
-
 def measured(dimension: str) -> Callable[[str], float]:
     """Return a parser of numbers that a unit of a dimension may follow, as 5cm, for typer."""
 
@@ -124,26 +116,50 @@ def measured_option(dimension: str, text: str, panel: str | None = None, **given
     return option(text, panel, **{"parser": measured(dimension), "metavar": "NUMBER", **given})
 
 
-def asked(scene: HasUnits, name: str, value: float | None, dimension: str) -> float | None:
+def asked(scene: Any, name: str, value: Any, dimension: str) -> Any:
     """Return the value of an option in the units of a scene.
 
     A unit is refused by a SceneError where the scene does not say its own.
     """
-    number: float | None = in_units_of(scene.units, option_name(name), value, dimension)
-    return number
+    return in_units_of(scene.units, option_name(name), value, dimension)
 
 
-def read_number(scene: HasUnits, name: str, text: str, dimension: str) -> float:
+def read_number(scene: Any, name: str, text: str, dimension: str, said: str = "") -> float:
     """Return the number of an option's text, which a unit may follow, in the units of a scene.
 
-    Anything else, or a unit that cannot be taken, is refused by a SceneError.
+    Anything else, or a unit that cannot be taken, is refused by a SceneError; `said` comes before
+    the reason.
     """
     try:
         number = measure(text, dimension, si_size)
     except SceneError as error:
-        raise SceneError(f"{option_name(name)} {error}") from None
-    in_scene = asked(scene, name, number, dimension)
-    return number if in_scene is None else in_scene
+        raise SceneError(f"{option_name(name)} {said}{error}") from None
+    found: float = asked(scene, name, number, dimension)
+    return found
+
+
+def read_pair(name: str, text: str, form: str, example: str) -> tuple[str, str]:
+    """Return name and value of NAME=VALUE; SceneError says the form of both, and an example."""
+    key, _, value = (part.strip() for part in text.partition("="))
+    if not (key and value):
+        raise SceneError(
+            f"{option_name(name)} must be a name and {form} as {example}, got {shown(text)}."
+        )
+    return key, value
+
+
+def read_numbers(
+    scene: Any, name: str, texts: Iterable[str], known: Mapping[str, str]
+) -> dict[str, float]:
+    """Return the numbers of NAME=NUMBER, which may have units, by names of known dimension."""
+    result = {}
+    for text in texts:
+        key, number = read_pair(name, text, "a number", f"{next(iter(known))}=0.01")
+        if key not in known:
+            raise SceneError(f"{option_name(name)} knows {', '.join(known)}, got {key!r}.")
+        said = f"must be NAME=NUMBER; {key}: the number "
+        result[key] = read_number(scene, name, number, known[key], said)
+    return result
 
 
 def option_dimension(name: str) -> str:
@@ -256,7 +272,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "no_estimate": (bool, "Skip the second march, on half the nodes, that gives the error."),
-        "save": (Path, "File to save the march to: .h5, or on a line .nc for NetCDF."),
+        "save": (Path, "File to save the answer to: .h5, or .nc for NetCDF of a march."),
         "go_on": (Path, "File of a saved march to continue."),
     }.items()
 }

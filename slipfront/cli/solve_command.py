@@ -8,16 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compare.comparison.documents import solution_document
-from compare.output.places import check_file
+from compare.output.places import check_file, save_somewhere
 from compare.output.printed import PrintedTable
 from semianalytic import find, solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.saved import SOLVED, SavedScene, read_answer
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.extras import HDF5, PLOT, require
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.loading import HalfLine
+from semianalytic.scene.scene import Scene
 from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.scenes.completion import figure_names
@@ -87,8 +89,8 @@ def solve_command(
     but for the numbers that are given.  The exit code is 4 if the solution has not converged, or a
     march is unresolved or misses --rtol; the best answer is printed all the same.
     """
-    label, problem = scene_label(scene_name), find(scene_name)
-    problem = override_scene(problem, **overrides, **lower)
+    label = scene_label(scene_name)
+    problem = override_scene(_given(scene_name), **overrides, **lower)
     if isinstance(problem.load, HalfLine):
         from semianalytic.whole_line.drive import Drive, slot_scene
 
@@ -104,10 +106,18 @@ def solve_command(
         shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
         march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
-    check_no_march_options(march_options, problem)
+    save = march_options.get("save")
+    check_no_march_options({k: v for k, v in march_options.items() if k != "save"}, problem)
+    if save is not None:
+        if save.suffix == ".nc":
+            raise SceneError("--save of an exact answer writes HDF5; give a name that ends in .h5.")
+        require("a saved answer", *HDF5)
+        check_file(save)
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(problem, method="self-similar")
+    if save is not None:
+        save_somewhere(solution.save, save, save.name)
 
     def tables() -> Iterator[PrintedTable]:
         yield terminal.zones_table(solution, label)
@@ -116,8 +126,17 @@ def solve_command(
         yield terminal.facts_table(solution)
 
     document = solution_document(solution, end_time)
-    show_answer(solution, document, tables(), asked_for, {"Drawn": plot}, draw, as_json=as_json)
+    files = {"Saved": save, "Drawn": plot}
+    show_answer(solution, document, tables(), asked_for, files, draw, as_json=as_json)
     check_converged(solution, label)
+
+
+def _given(source: str) -> Scene:
+    """Return the scene of a name or a file, or of an exact answer that --save stored."""
+    if Path(source).suffix != ".h5":
+        return find(source)
+    instead = "a TOML file, a solution that was saved, or a march to --go-on"
+    return read_answer(source, SOLVED, SavedScene, instead, "solve it again").scene
 
 
 def _drawing(plot: Path | None, figure: str | None, t: float | None) -> Draw | None:

@@ -34,6 +34,7 @@ from slipfront.cli.options import (
     option_name,
     optional,
     read_number,
+    read_pair,
     with_options,
 )
 from slipfront.cli.terminal import print_json
@@ -216,11 +217,7 @@ def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
 
     result: dict[str, Any] = {}
     for text in vary:
-        name, equals, values = text.partition("=")
-        if not equals or not name:
-            raise SceneError(
-                f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
-            )
+        name, values = read_pair("vary", text, "values", "friction_law.reduction=0:1:11")
         if name in result:
             raise SceneError(f"--vary {name} is given twice; give all its values in one row.")
         dimension = numbers_of(scene)[parameter_name(scene, name)].dimension

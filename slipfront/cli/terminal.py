@@ -23,12 +23,12 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_numb
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values
 from compare.output.printed import PrintedTable
 from semianalytic import Scene
-from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
+from semianalytic.results.in_words import digits_apart, number_or_infinity
 from semianalytic.scene.given.documents import history_document
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import Step
 from semianalytic.scene.tabulated import Tabulated
-from semianalytic.scene.units import unit
+from semianalytic.scene.units import unit, with_unit
 from slipfront.cli.endings.refusals import in_options
 from slipfront.cli.endings.unread import NOTES
 from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
@@ -40,6 +40,8 @@ if TYPE_CHECKING:  # most commands print an answer, and judge none
     from fem import Simulation
     from semianalytic import Marched
 
+_SENSES = {1: "forward", -1: "reverse"}
+"""Slip towards +x and towards -x."""
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
 
@@ -60,13 +62,13 @@ def zones_table(answer: Any, title: str) -> PrintedTable:
     the upper one.
     """
     scene, known = answer.scene, solution_document(answer)
-    table = PrintedTable("zone", "edge", title=title)
-    for name in (f"[{unit('length / time', scene.units)}]", "/ c_t"):
-        table.add_column(f"velocity\n{escape(name)}", justify="right")
+    names = f"[{unit('length / time', scene.units)}]", "/ c_t"
+    headings = [f"velocity\n{escape(name)}" for name in names]
+    table = PrintedTable("zone", "edge", numbers=headings, title=title)
     table.add_column("regime")
     table.add_column("sense")
     parts = [
-        (str(number), zone, kind_of_slip(zone["sense"]))
+        (str(number), zone, _SENSES[zone["sense"]])
         for number, zone in enumerate(known["zones"], start=1)
     ]
     parts += [("open", opening, "") for opening in known["openings"]]
@@ -114,7 +116,7 @@ def facts_table(answer: Any) -> PrintedTable:
     for name, values in edge.items():
         if isinstance(values, dict):
             shown = ", ".join(f"{value:.6g}" for value in values.values())
-            when = _measure(1.0, "time", scene)
+            when = with_unit(1.0, "time", scene.units)
             table.add_row(f"{', '.join(values)} at t = {when}", shown, units["edge"][name])
     for wave in getattr(answer, "growing", ()):
         growth = f"{100 * math.expm1(wave.per_wavelength):.3g}"
@@ -151,10 +153,10 @@ def end_table(answer: Any, end_time: float) -> PrintedTable:
     """Return a table of everything until an end time: positions of zones, slip, work."""
     known = solution_document(answer, end_time)
     end, units = known["until_end_time"], known["units"]["until_end_time"]
-    when = _measure(end_time, "time", answer.scene)
+    when = with_unit(end_time, "time", answer.scene.units)
     table = PrintedTable("quantity", "value", "unit", title=f"t = {when}")
     zones = [
-        (f"zone {n}, {kind_of_slip(zone['sense'])}", zone) for n, zone in enumerate(end["zones"], 1)
+        (f"zone {n}, {_SENSES[zone['sense']]}", zone) for n, zone in enumerate(end["zones"], 1)
     ]
     zones += [("open", part) for part in end["openings"]]
     digits = digits_apart([part[name] for _, part in zones for name in ("start", "end")], 6)
@@ -179,7 +181,7 @@ def march_table(marched: Marched, title: str) -> PrintedTable:
     for onset in document.get("onset", ()):
         never = f"not until {marched.end_time:.6g}"
         time = never if onset["time"] is None else f"{onset['time']:.6g}"
-        place = _measure(onset["x"], "length", scene)
+        place = with_unit(onset["x"], "length", scene.units)
         table.add_row(f"slip starts at x = {place}", time, units["onset"]["time"])
     for mode, value in document.get("stress_intensity_of_a_stuck_edge", {}).items():
         intensity = units["stress_intensity_of_a_stuck_edge"]
@@ -266,10 +268,8 @@ def norms_table(validation: Validation) -> PrintedTable:
     """Return a table of the relative errors of every quantity over all stations."""
     from compare.comparison.mesh_choice import two_digits
 
-    table = PrintedTable(title="Over all stations", box=SIMPLE_HEAD)
-    table.add_column("quantity")
-    for heading in ("L1 error", "L2 error", "samples"):
-        table.add_column(heading, justify="right")
+    numbers = "L1 error", "L2 error", "samples"
+    table = PrintedTable("quantity", numbers=numbers, title="Over all stations", box=SIMPLE_HEAD)
     for norm in validation.norms:
         if norm.x is None:
             parts = (f"{two_digits(100 * part)} %" for part in (norm.L1, norm.L2))
@@ -340,11 +340,6 @@ def _label(name: str) -> str:
     """Return the printed name of a number of a document; totals say that they are totals."""
     words = name.replace("_", " ")
     return f"{words} over the contact" if name in TOTALS else words
-
-
-def _measure(value: float, dimension: str, scene: Any) -> str:
-    """Return a value with its unit, if the scene has units."""
-    return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
 
 
 def _plain(value: object) -> str:

@@ -14,7 +14,7 @@ from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.parameters.numbers import numbers_of
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.given.documents import history_document, scene_document, scene_from_document
+from semianalytic.scene.given.documents import history_document, scene_from_document
 from semianalytic.scene.given.finding import check_slot
 from semianalytic.scene.incident import SIDES, WAVES, IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import law_table
@@ -26,41 +26,43 @@ from semianalytic.scene.units import unit
 Values = dict[str, Any]
 """Numbers and words of a scene, keyed by the control that sets them."""
 
-LAWS: Mapping[str, tuple[str, ...]] = {
-    "coulomb": ("viscosity",),
-    "rate-weakening": ("reduction", "rate"),
-    "slip-weakening": ("reduction", "distance"),
+ALIKE, ANOTHER, AT_ONCE = "like the upper", "another", "at once"
+PARTS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "law": {
+        "coulomb": ("viscosity",),
+        "rate-weakening": ("reduction", "rate"),
+        "slip-weakening": ("reduction", "distance"),
+    },
+    "load": {
+        AT_ONCE: ("load_pressure", "load_shear", "load_on"),
+        "incident-wave": ("wave", "angle", "wave_stress", "wave_from"),
+        "moving": ("load_pressure", "load_shear", "load_speed"),
+    },
+    "history": {
+        "step": (),
+        "ramp": ("rise_time",),
+        "pulse": ("duration", "shape"),
+        "harmonic": ("frequency",),
+    },
+    "lower_body": {
+        ALIKE: (),
+        ANOTHER: ("modulus_ratio", "density_ratio", "lower_poisson_ratio"),
+    },
 }
-HISTORIES: Mapping[str, tuple[str, ...]] = {
-    "step": (),
-    "ramp": ("rise_time",),
-    "pulse": ("duration", "shape"),
-    "harmonic": ("frequency",),
+"""Friction laws, load histories, loads and lower bodies to choose from, and the controls that each
+shows; ratios are those of the lower body over the upper one."""
+_IN_FILES = {"wave": "wave", "wave_stress": "stress", "wave_from": "from"} | {
+    f"load_{name}": name for name in ("pressure", "shear", "speed")
 }
-LOADS: Mapping[str, tuple[str, ...]] = {
-    "at once": ("load_pressure", "load_shear", "load_on"),
-    "incident-wave": ("wave", "angle", "wave_stress", "wave_from"),
-    "moving": ("load_pressure", "load_shear", "load_speed"),
-}
-"""Friction laws, load histories and loads to choose from, and the controls that each shows."""
-ALIKE, ANOTHER = "like the upper", "another"
-LOWER: Mapping[str, tuple[str, ...]] = {
-    ALIKE: (),
-    ANOTHER: ("modulus_ratio", "density_ratio", "lower_poisson_ratio"),
-}
-"""Lower bodies to choose from, and the controls that each shows; ratios are those of the lower body
-over the upper one."""
+"""Keys of a load in files, by its controls."""
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
-    "load": tuple(LOADS),
     "load_on": LOADED,
     "wave": WAVES,
     "wave_from": SIDES,
-    "law": tuple(LAWS),
-    "history": tuple(HISTORIES),
     "shape": tuple(PULSE_SHAPES),
-    "lower_body": tuple(LOWER),
+    **{name: tuple(kinds) for name, kinds in PARTS.items()},
 }
 STEEPEST = 85.0
 """Largest angle of the slider [degrees], unless the scene has a larger one."""
@@ -157,11 +159,9 @@ def values_of(scene: Scene) -> Values:
     A SceneError refuses what there is no control for, as different histories of pressure and shear.
     """
     check_slot("explore", scene)
-    document = scene_document(scene)
-    words = {"mode": scene.mode, "load_on": scene.load_on}
-    values: Values = {**document["material"], "friction": scene.coefficient, **words}
-    values |= {f"base_{kind}": document["base"][kind] for kind in ("pressure", "shear")}
-    values |= _load_values(scene)
+    numbers = {name: number.value for name, number in numbers_of(scene).items()}
+    values: Values = {"mode": scene.mode, "load_on": scene.load_on, "units": scene.units}
+    values |= {name: numbers[name] for name in _NUMBERS} | _load_values(scene, numbers)
     histories = list(scene.acting_histories.values())
     if any(history != histories[0] for history in histories[1:]):
         raise SceneError(
@@ -169,8 +169,8 @@ def values_of(scene: Scene) -> Values:
         )
     history = history_document(histories[0]) if histories else {"kind": "step"}
     law = law_table(scene.law)
-    numbers = {name: number.value for name, number in numbers_of(scene).items()}
-    for name, part, known in (("law", law, LAWS), ("history", history, HISTORIES)):
+    for name, part in (("law", law), ("history", history)):
+        known = PARTS[name]
         if part["kind"] not in known or "cohesion" in part or part.get("shape") == "exponential":
             raise SceneError(
                 f"explore has no controls for the {name} {part['kind']}; "
@@ -178,46 +178,29 @@ def values_of(scene: Scene) -> Values:
             )
         values[name] = part.pop("kind")
     values |= history | {
-        name: numbers.get(name, numbers.get(f"friction_law_{name}")) for name in LAWS[values["law"]]
+        name: numbers.get(name, numbers.get(f"friction_law_{name}"))
+        for name in PARTS["law"][values["law"]]
     }
-    values |= {"units": scene.units, "lower_body": ALIKE}
     if scene.lower_material is None:
-        return values
-    upper, lower = scene.bodies
+        return values | {"lower_body": ALIKE}
     return values | {
         "lower_body": ANOTHER,
-        "modulus_ratio": lower.shear_modulus / upper.shear_modulus,
-        "density_ratio": lower.density / upper.density,
-        "lower_poisson_ratio": lower.poisson_ratio,
+        "modulus_ratio": numbers["lower_shear_modulus"] / numbers["shear_modulus"],
+        "density_ratio": numbers["lower_density"] / numbers["density"],
+        "lower_poisson_ratio": numbers["lower_poisson_ratio"],
     }
 
 
-def _load_values(scene: Scene) -> Values:
+def _load_values(scene: Scene, numbers: Mapping[str, float]) -> Values:
     """Return the load of a scene as values of controls; a wave by its stress."""
-    load = scene.load
+    load, solid = scene.load, scene.material
     if isinstance(load, IncidentWave):
-        impedance = scene.material.density * load.speed(scene.material)
-        stress = impedance * load.particle_velocity(scene.material)
+        stress = solid.density * load.speed(solid) * load.particle_velocity(solid)
         words = {"load": "incident-wave", "wave": load.kind, "wave_from": load.from_}
         return {**words, "angle": load.angle, "wave_stress": stress}
-    tractions = {"load_pressure": load.pressure, "load_shear": load.shear}
-    if isinstance(load, MovingLoad):
-        return {"load": "moving", "load_speed": load.speed, **tractions}
-    return {"load": "at once", **tractions}
-
-
-def _load_document(values: Mapping[str, Any]) -> Values:
-    """Return the load in the form that `scene_from_document` accepts."""
-    kind = values.get("load", "at once")
-    if kind not in LOADS:
-        raise SceneError(f"load must be one of {', '.join(LOADS)}, got {shown(kind)}.")
-    if kind == "incident-wave":
-        given = {"angle": _number(values, "angle"), "stress": _number(values, "wave_stress")}
-        return {"kind": kind, "wave": values["wave"], "from": values["wave_from"], **given}
-    tractions = {name: _number(values, f"load_{name}") for name in ("pressure", "shear")}
-    if kind == "moving":
-        return {"kind": kind, "speed": _number(values, "load_speed"), **tractions}
-    return tractions
+    kind = "moving" if isinstance(load, MovingLoad) else AT_ONCE
+    shown = (name for name in PARTS["load"][kind] if name in numbers)
+    return {"load": kind, **{name: numbers[name] for name in shown}}
 
 
 def scene_of(values: Mapping[str, Any]) -> Scene:
@@ -227,29 +210,29 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
     different bodies that have no exact answer under such a load or law.
     """
     numbers = {name: _number(values, name) for name in _NUMBERS}
-    at_once = values.get("load", "at once") == "at once"
+    load = {_IN_FILES.get(name, name): value for name, value in _part(values, "load").items()}
+    load_on = load.pop("load_on", None) or SLOT
+    if load["kind"] == AT_ONCE:
+        del load["kind"]
     document: dict[str, Any] = {
         "friction": numbers["friction"],
         "material": {name: numbers[name] for name in ("shear_modulus", "density", "poisson_ratio")},
         "base": {kind: numbers[f"base_{kind}"] for kind in ("pressure", "shear")},
-        "load": _load_document(values),
+        "load": load,
         "mode": values.get("mode", IN_PLANE),
-        "load_on": values.get("load_on", SLOT) if at_once else SLOT,
+        "load_on": load_on,
         "units": values.get("units", ""),
-        "friction_law": _part(values, "law", LAWS),
+        "friction_law": _part(values, "law"),
     }
-    history = _part(values, "history", HISTORIES)
+    history, lower = _part(values, "history"), _part(values, "lower_body")
     for kind in ("pressure", "shear"):
-        if document["load"].get(kind, "angle" in document["load"]):
+        if load.get(kind, "angle" in load):
             document[f"{kind}_history"] = history
-    kind = values.get("lower_body", ALIKE)
-    if kind not in LOWER:
-        raise SceneError(f"lower_body must be one of {', '.join(LOWER)}, got {shown(kind)}.")
-    if kind == ANOTHER:
+    if lower["kind"] == ANOTHER:
         document["lower_material"] = {
-            "shear_modulus": numbers["shear_modulus"] * _number(values, "modulus_ratio"),
-            "density": numbers["density"] * _number(values, "density_ratio"),
-            "poisson_ratio": _number(values, "lower_poisson_ratio"),
+            "shear_modulus": numbers["shear_modulus"] * lower["modulus_ratio"],
+            "density": numbers["density"] * lower["density_ratio"],
+            "poisson_ratio": lower["lower_poisson_ratio"],
         }
     scene = scene_from_document(document)
     if scene.lower_material is not None:
@@ -263,8 +246,9 @@ _NUMBERS = (
 )
 
 
-def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, ...]]) -> Values:
-    """Return a friction law or history in the form that `scene_from_document` accepts."""
+def _part(values: Mapping[str, Any], name: str) -> Values:
+    """Return the kind that is chosen of a part, and the values of the controls that it shows."""
+    known = PARTS[name]
     kind = values.get(name, next(iter(known)))
     if kind not in known:
         raise SceneError(f"{name} must be one of {', '.join(known)}, got {shown(kind)}.")
@@ -287,12 +271,12 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 
 def query_of(values: Mapping[str, Any]) -> str:
     """Return the query of an address, ``?friction=0.3&...``, with all that its scene uses."""
-    names = [*_NUMBERS, *LOADS[values["load"]], "mode", "units", "law", *LAWS[values["law"]]]
-    names += [] if values["load"] == "at once" else ["load"]
-    names += ["history", *HISTORIES[values["history"]]]
-    own = LOWER[values["lower_body"]]
-    names += ["lower_body", *own] if own else []
-    return "?" + urlencode({name: values[name] for name in names})
+    names = [*_NUMBERS, *PARTS["load"][values["load"]], "mode", "units"]
+    for name, known in PARTS.items():
+        kind = values[name]
+        names += [] if kind in (AT_ONCE, ALIKE) else [name]
+        names += known[kind]
+    return "?" + urlencode({name: values[name] for name in dict.fromkeys(names)})
 
 
 def values_from_query(query: str, start: Scene) -> Values:
@@ -306,7 +290,7 @@ def values_from_query(query: str, start: Scene) -> Values:
     given: Values = {}
     for name, text in texts.items():
         if name not in base and name not in FIXED:
-            raise SceneError(f"the address names {shown(name)}, which no scene has; take it out.")
+            raise SceneError(f"the address names {shown(name)}, which no scene has; remove it.")
         word = name in CHOICES or name == "units"
         given[name] = text if word else _number(texts, name)
         if name in CHOICES and text not in CHOICES[name]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from typing import Any
 
+from compare.output.tables import csv_text
 from semianalytic import Scene
 from semianalytic.methods import chosen
 from semianalytic.results.datasets import QUANTITIES
@@ -39,13 +39,10 @@ def table_file(answer: Any) -> Content:
     scene, time = answer.scene, end_time(answer.scene)
     x = interface_view(answer).x * scene.material.shear_speed * time
     columns = [x, *(getattr(answer, name)(x, time) for name in _COLUMNS)]
-    text = io.StringIO()
     units = [unit("length", scene.units), *(unit(kind, scene.units) for kind in _COLUMNS.values())]
-    text.write(f"# at t = {time!r} {unit('time', scene.units)}; {', '.join(units)}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["x", *_COLUMNS])
-    writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
-    return "slipfront.csv", "text/csv", text.getvalue().encode()
+    said = f"at t = {time!r} {unit('time', scene.units)}; {', '.join(units)}"
+    rows = zip(*(column.tolist() for column in columns), strict=True)
+    return "slipfront.csv", "text/csv", csv_text(["x", *_COLUMNS], rows, said).encode()
 
 
 def program(scene: Scene) -> str:

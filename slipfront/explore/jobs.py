@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 from urllib.parse import parse_qsl, urlencode
 
-from semianalytic import Marched, Scene, Tractions, solve
+from semianalytic import Marched, Scene, solve
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from slipfront.explore.views import DISPLACEMENT, SPEED, FieldView, end_time, field_view
@@ -56,17 +56,6 @@ def moment_in(query: str) -> tuple[Moment, str]:
     return Moment(share, of), f"?{urlencode(rest)}" if rest else ""
 
 
-class MarchViews(NamedTuple):
-    """A march, and the field at one moment, whose computation takes as long.
-
-    The field is None where a march does not know it.
-    """
-
-    marched: Marched
-    moment: Moment
-    field: FieldView | None
-
-
 def solved_field(
     scene: Scene, points: int, rtol: float, moment: Moment, progress: Progress
 ) -> FieldView:
@@ -74,19 +63,21 @@ def solved_field(
     return field_view(solve(scene, rtol=rtol), points, *moment)
 
 
-def marched_field(marched: Marched, moment: Moment, progress: Progress) -> FieldView:
-    """Compute the field of a march that is done."""
-    return field_view(marched, MARCH_POINTS, *moment)
+def marched_field(done: Marched, moment: Moment, progress: Progress) -> FieldView:
+    """Compute the field of a march that is done, which takes as long as the march."""
+    return field_view(done, MARCH_POINTS, *moment)
 
 
-def marched_views(scene: Scene, moment: Moment, progress: Progress) -> MarchViews:
-    """March a scene until T, and compute its field."""
+def marched(scene: Scene, progress: Progress) -> Marched:
+    """March a scene until T."""
 
-    def tell(done: int, steps: int) -> None:
-        if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:
-            progress(done, steps)
+    told = 0
 
-    marched = solve(scene, method="space-time", end_time=end_time(scene), progress=tell)
-    known = isinstance(scene.load, Tractions)
-    field = field_view(marched, MARCH_POINTS, *moment) if known else None
-    return MarchViews(marched, moment, field)
+    def tell(time: float, end: float) -> None:
+        nonlocal told
+        if (share := int(STEPS_TOLD * time / end)) > told:
+            told = share
+            progress(told, STEPS_TOLD)
+
+    found: Marched = solve(scene, method="space-time", end_time=end_time(scene), progress=tell)
+    return found

@@ -24,10 +24,7 @@ from slipfront.explore import jobs, views
 from slipfront.explore.board import Board
 from slipfront.explore.controls import (
     CHOICES,
-    HISTORIES,
-    LAWS,
-    LOADS,
-    LOWER,
+    PARTS,
     defaults,
     query_of,
     scene_of,
@@ -108,7 +105,7 @@ class Session:
             quantities=(views.SPEED, views.DISPLACEMENT),
             given={
                 **self._opened(query),
-                "shown": {"law": LAWS, "history": HISTORIES, "load": LOADS, "lower_body": LOWER},
+                "shown": PARTS,
                 "kinds": list(SHADES.items()),
                 "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
             },
@@ -208,14 +205,20 @@ class Session:
         self._tell(**told, stale=True, status=status, readings=[], scales=scales(scene))
         if not told["moving"]:
             self._marching = scene
-            self._march_worker.start(jobs.marched_views, scene, self._moment)
+            self._march_worker.start(jobs.marched, scene)
 
     def _show_march(self, marched: Marched, told: Mapping[str, Any]) -> None:
         """Draw another moment of a march that is done; its field comes when the slider stops."""
         self._draw_contact(marched, views.NODES)
         self._tell(**told, status=marched.status, error=f"{marched.error_estimate:.1e}")
-        if not told["moving"] and isinstance(marched.scene.load, Tractions):
+        if not told["moving"]:
+            self._draw_field(marched)
+
+    def _draw_field(self, marched: Marched) -> bool:
+        """Have the field of a march computed; return whether there is one to be known."""
+        if known := isinstance(marched.scene.load, Tractions):
             self._march_worker.start(jobs.marched_field, marched, self._moment)
+        return known
 
     def _draw_contact(self, answer: Any, nodes: int) -> None:
         """Draw the pictures of the contact at the present moment."""
@@ -306,24 +309,17 @@ class Session:
     def _march_news(self, kind: str, content: Any) -> None:
         if kind == "progress":
             self._tell(progress=content[0] / content[1])
-        elif kind == "result" and isinstance(content, jobs.MarchViews):
-            self._answer = content.marched
-            self._draw_contact(content.marched, views.NODES)
-            said = {}
-            if content.field is None:
-                said["message"] = NO_FIELD
-            else:
-                self._field.draw(content.field)
-                if content.moment != self._moment:
-                    self._march_worker.start(jobs.marched_field, content.marched, self._moment)
+        elif kind == "result" and isinstance(content, Marched):
+            self._answer = content
+            self._draw_contact(content, views.NODES)
             self._tell(
                 progress=1.0,
-                status=content.marched.status,
-                error=f"{content.marched.error_estimate:.1e}",
-                readings=readings(content.marched),
-                program=program(content.marched.scene),
-                field=content.field is not None,
-                **said,
+                status=content.status,
+                error=f"{content.error_estimate:.1e}",
+                readings=readings(content),
+                program=program(content.scene),
+                field=False,
+                **({} if self._draw_field(content) else {"message": NO_FIELD}),
             )
         elif kind == "result" and isinstance(content, views.FieldView):
             self._field.draw(content)

@@ -39,7 +39,7 @@ def read_gauges(
     `Gauge` (or sigma_xx, eps_xy, v_x, ...).  Units follow in brackets where they are not those of
     the scene.  A column `noise` or NAME_noise holds standard deviations in the same unit.  Rows of
     equal x and y form a gauge; rows without y, or with y = 0, belong to the interface.  All files
-    that `slipfront validate` reads are accepted as well, and what they say of themselves counts:
+    that `slipfront validate` reads are accepted as well, and their own statements apply:
     motion of one face is doubled, and the base of the scene is added to changes of tractions.
 
     Parameters
@@ -185,7 +185,7 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
     """Refuse changes of tractions where nothing says what they are changes of."""
     if scene is None:
         raise DataFileError(
-            f"{run.source} holds changes of tractions; say of which scene, whose base is added."
+            f"{run.source} holds changes of tractions; name the scene whose base is to be added."
         )
     unknown = [name for name in fitted if name in _BASES or name.partition(":")[0] == "gain"]
     if not scene.on_line and scene.superposition.in_place != scene.base:

@@ -13,11 +13,13 @@ from compare.figures import style
 from compare.records.record import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
-from semianalytic.scene.units import unit
+from semianalytic.results.plotting import SHOWN, shown_number
+from semianalytic.scene.units import SI, unit
 from slipfront.fits.documents import dimension
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import SubFigure
 
 PANELS = 5
@@ -33,6 +35,16 @@ TINY = "x-small"
 """Font size of numbers at the axes of small panels."""
 STRONG = 0.9
 """Correlation from which on its number is written large."""
+_UNITS = {**SHOWN, "length / time": ((1.0, "m/s"), (1e3, "mm/s")), "strain": ((1e6, "µstrain"),)}
+"""Units of figures of SI scenes: the largest of which there are two or more is drawn."""
+_FIELDS = {
+    "v": "velocity $v",
+    "u": "displacement $u",
+    "s": r"stress $\sigma",
+    "e": r"strain $\epsilon",
+}
+_Unit = tuple[float, str]
+"""Factor and name of a unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +67,7 @@ class _Curve:
 class _Panel:
     title: str
     along: str
+    unit: _Unit
     curves: Sequence[_Curve]
 
 
@@ -91,32 +104,49 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
     }
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
     for key, numbers in list(lines.items())[:PANELS]:
-        title = f"{key[0]}" + ("" if key[1] is None else f" at y = {_length(fit, key[1])}")
+        place = "" if key[1] is None else f" at y = {_written(fit, 'length', key[1])}"
         curves = list(_over_place(fit, numbers, residuals, bands))
-        yield _Panel(_with_unit(fit, fit.gauges[numbers[0]], title), "x", curves)
+        yield _panel(fit, fit.gauges[numbers[0]], place, "x", curves)
     room = max(PANELS - len(lines), 1)
     for i in alone if len(alone) <= room else [alone[k] for k in _even(len(alone), room)]:
         gauge = fit.gauges[i]
         fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
         residual = residuals[i] / gauge.noise
         curve = _Curve(gauge.t, gauge.values, residual, bands[i], fine, fit.seen(gauge, fine), "")
-        place = f"x = {_length(fit, gauge.x)}"
-        place += "" if gauge.y is None else f", y = {_length(fit, gauge.y)}"
-        title = f"{gauge.quantity} at {place}"
-        yield _Panel(_with_unit(fit, gauge, title), "t", [curve])
+        place = f" at x = {_written(fit, 'length', gauge.x)}"
+        place += "" if gauge.y is None else f", y = {_written(fit, 'length', gauge.y)}"
+        yield _panel(fit, gauge, place, "t", [curve])
 
 
-def _length(fit: Fit, value: float) -> str:
-    """Write a position with its unit, if the scene has units."""
-    return f"{value:.4g} {unit('length', fit.scene.units)}" if fit.scene.units else f"{value:.4g}"
+def _panel(fit: Fit, gauge: Gauge, place: str, along: str, curves: Sequence[_Curve]) -> _Panel:
+    """Return a panel whose title names the quantity of a gauge and its unit."""
+    known, name = QUANTITIES[gauge.quantity], gauge.quantity.replace("_", " ")
+    if gauge.y is not None:
+        name = f"{_FIELDS[name[0]]}_{{{name[1:]}}}$"
+    most = max(float(np.abs(curve.recorded).max()) for curve in curves)
+    of = _shown(fit, "strain" if known == "1" and fit.scene.units == SI else known, most)
+    return _Panel(f"{name}{place} [{of[1]}]", along, of, curves)
+
+
+def _shown(fit: Fit, dimension: str, size: float) -> _Unit:
+    """Return the unit in which a quantity of a size is drawn."""
+    if fit.scene.units != SI:
+        return 1.0, unit(dimension, fit.scene.units)
+    of = _UNITS.get(dimension, ((1.0, unit(dimension, SI)),))
+    return next((choice for choice in of if choice[0] * abs(size) >= 2), of[-1])
+
+
+def _written(fit: Fit, dimension: str, value: float) -> str:
+    return shown_number(value, _shown(fit, dimension, value))
+
+
+def _in_units(axis: Axis, factor: float) -> None:
+    """Write the numbers of an axis in a unit."""
+    axis.set_major_formatter(lambda value, _: f"{value * factor:.4g}")
 
 
 def _even(count: int, shown: int) -> list[int]:
     return [round(number) for number in np.linspace(0, count - 1, shown)]
-
-
-def _with_unit(fit: Fit, gauge: Gauge, title: str) -> str:
-    return f"{title} [{unit(QUANTITIES[gauge.quantity], fit.scene.units)}]"
 
 
 def _over_place(
@@ -133,7 +163,7 @@ def _over_place(
                 residual = residuals[i][here[0]] / noise
                 rows.append((gauge.x, gauge.values[here[0]], residual, *bands[i][:, here[0]]))
         x, recorded, residual, *band = np.array(sorted(rows)).T
-        words = f"t = {t:.4g}" + (f" {unit('time', fit.scene.units)}" if fit.scene.units else "")
+        words = f"t = {_written(fit, 'time', t)}"
         yield _Curve(x, recorded, residual, np.array(band), x, band[0], words)
 
 
@@ -153,14 +183,14 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
             )
         left.set_title(panel.title, fontsize=style.SMALL)
         right.set_title("residual / noise", fontsize=style.SMALL)
-        dimensioned = unit("time" if panel.along == "t" else "length", fit.scene.units)
+        most = max(float(np.abs(curve.at).max()) for curve in panel.curves)
+        factor, name = _shown(fit, "time" if panel.along == "t" else "length", most)
+        _in_units(left.yaxis, panel.unit[0])
         for side in (left, right):
-            side.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=style.SMALL)
+            side.set_xlabel(f"{panel.along} [{name}]", fontsize=style.SMALL)
             side.tick_params(labelsize=style.SMALL)
-            side.ticklabel_format(scilimits=(-3, 4))
             side.locator_params(axis="x", nbins=5)
-            for axis in (side.xaxis, side.yaxis):
-                axis.offsetText.set_fontsize(style.SMALL)
+            _in_units(side.xaxis, factor)
         if panel.curves[0].label:
             left.legend(fontsize=style.SMALL)
 
@@ -170,33 +200,33 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
     axes = figure.subplots(p, p, squeeze=False)
     spread = np.where(np.isfinite(errors), errors, np.maximum(np.abs(fit.values), 1e-300))
     ranges = [_range(fit, k, float(spread[k])) for k in range(p)]
+    names = [dimension(name, fit.scene) for name in fit.parameters]
+    units = [_shown(fit, *of) for of in zip(names, fit.values.tolist(), strict=True)]
+    labels = [
+        name.replace("_", " ") + f" [{of}]" * (of != "1")
+        for name, (_, of) in zip(fit.parameters, units, strict=True)
+    ]
     for row in range(p):
         for column in range(p):
             panel = axes[row, column]
             panel.tick_params(labelsize=TINY)
             panel.locator_params(nbins=3)
-            panel.ticklabel_format(useOffset=False, scilimits=(-3, 4))
-            panel.xaxis.offsetText.set_fontsize(TINY)
-            panel.yaxis.offsetText.set_fontsize(TINY)
+            _in_units(panel.xaxis, units[column][0])
+            _in_units(panel.yaxis, units[row][0])
             if row == column:
-                _draw_density(panel, fit, row, ranges[row])
+                _draw_density(panel, fit, row, ranges[row], units[row])
             elif row > column:
                 _draw_pair(panel, fit, (column, row), (ranges[column], ranges[row]))
             else:
                 _draw_correlation(panel, float(fit.correlation[row, column]))
             if row == p - 1:
-                panel.set_xlabel(_axis(fit, column), fontsize=style.SMALL)
+                panel.set_xlabel(labels[column], fontsize=style.SMALL)
             if column == 0 and row:
-                panel.set_ylabel(_axis(fit, row), fontsize=style.SMALL)
+                panel.set_ylabel(labels[row], fontsize=style.SMALL)
     handles = [style.line_handle("50 and 90 % by the covariance", style.PREDICTION)]
     if len(fit.minima) > 1:
         handles.append(style.marker_handle("other minima", style.VERMILLION, "x"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=style.SMALL)
-
-
-def _axis(fit: Fit, number: int) -> str:
-    name = fit.parameters[number]
-    return f"{name.replace('_', ' ')} [{unit(dimension(name, fit.scene), fit.scene.units)}]"
 
 
 def _range(fit: Fit, number: int, error: float) -> tuple[float, float]:
@@ -212,7 +242,9 @@ def _ends(fit: Fit, number: int, error: float) -> Array:
     return np.where(np.isfinite(fit.interval[number]), fit.interval[number], around)
 
 
-def _draw_density(panel: Axes, fit: Fit, number: int, limits: tuple[float, float]) -> None:
+def _draw_density(
+    panel: Axes, fit: Fit, number: int, limits: tuple[float, float], of: _Unit
+) -> None:
     error = float(fit.standard_errors[number])
     at = np.linspace(*limits, 300)
     if np.isfinite(error):
@@ -224,14 +256,10 @@ def _draw_density(panel: Axes, fit: Fit, number: int, limits: tuple[float, float
     else:
         panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=style.SMALL)
     panel.set(xlim=limits, yticks=[])
-    name = dimension(fit.parameters[number], fit.scene)
-    has_unit = name != "1" and fit.scene.units
-    error_words = fit.error_in_words(number)
+    words = fit.error_in_words(number, of[0])
     # Two sides need a line of their own, or the title is wider than its panel.
-    words = (
-        f"{fit.values[number]:.4g}{' ' if error_words.startswith('±') else chr(10)}{error_words}"
-    )
-    words += f" {unit(name, fit.scene.units)}" if has_unit else ""
+    words = f"{fit.values[number] * of[0]:.4g}{' ' if words.startswith('±') else chr(10)}{words}"
+    words += f" {of[1]}" if of[1] != "1" and fit.scene.units else ""
     panel.set_title(words, fontsize=style.SMALL)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from os import PathLike
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.parameters.numbers import numbers_of, spelled
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find
 from semianalytic.scene.scene import Scene
@@ -41,8 +40,7 @@ def parameter_name(subject: Scene, given: str) -> str:
     known, name = numbers_of(subject), spelled(given)
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+        hint = meant(name, known, f"it has {', '.join(known)}.")
         raise SceneError(f"survey: this scene has no parameter {shown(given)}; {hint}")
     return name
 

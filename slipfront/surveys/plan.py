@@ -280,11 +280,11 @@ def planned(
         else:
             fixed[name] = float(numbers)
     if not values:
-        raise SceneError("survey: give a row of values of one parameter at least, as friction.")
+        raise SceneError("survey: give values of at least one parameter, such as friction.")
     lengths = {name: len(row) for name, row in values.items()}
     if together and len(set(lengths.values())) > 1:
         listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-        raise SceneError(f"survey: rows of values that go together are as long, got {listed}.")
+        raise SceneError(f"survey: lists that vary together must have equal lengths, got {listed}.")
     points = _usual_chunk(scene, list(values)) if chunk is None else chunk
     points = checked_count("survey: chunk", points, 1, "a whole number from")
     question = question.checked(of_interface)

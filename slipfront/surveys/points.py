@@ -183,7 +183,7 @@ def _march_options(scene: Scene, question: Question) -> dict[str, Any]:
     if scene.on_line and question.t:
         options = {"end_time": max(question.t), **options, "times": question.t}
     if scene.on_line and "end_time" not in options:
-        raise SceneError("survey: end_time is missing; say until when the scene is marched.")
+        raise SceneError("survey: end_time is missing; give the end of the march.")
     return options
 
 
@@ -275,13 +275,6 @@ def packed(columns: Columns) -> bytes:
     stream = io.BytesIO()
     np.savez_compressed(stream, **arrays)
     return stream.getvalue()
-
-
-def held(data: bytes) -> tuple[set[str], int]:
-    """Return the names of packed arrays and the number of zones."""
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        zones = arrays["sense"].shape[1] if "sense" in arrays else 0
-        return set(arrays.files), zones
 
 
 def unpacked(data: bytes) -> Columns:

@@ -153,7 +153,7 @@ def run_survey(
         require("A survey", "xarray")
         kept: dict[int, bytes] = {}
         _solve(plan, {}, kept.__setitem__, workers, client, progress)
-        return dataset_of(plan, lambda: sorted(kept.items()), command)
+        return dataset_of(plan, sorted(kept.items()), command)
     if path.suffix != ".nc":
         raise SceneError(f"{path} is written as NetCDF; let its name end in .nc.")
     require("A survey in a file", *XARRAY)
@@ -171,7 +171,7 @@ def run_survey(
                     raise DataFileError(f"A chunk of {path} was damaged meanwhile; start again.")
                 yield index, data
 
-        result = dataset_of(plan, chunks, command)
+        result = dataset_of(plan, chunks(), command)
         write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
         store.clear()
     return result

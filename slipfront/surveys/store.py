@@ -78,6 +78,6 @@ def _check(folder: Path, plan: SurveyPlan) -> None:
         known = ""
     if known != text:
         raise DataFileError(
-            f"{folder} holds part of another survey; ask for that one again to go on with it, give "
+            f"{folder} holds part of another survey; repeat that one to continue it, give "
             "another path, or remove that folder."
         )

@@ -10,7 +10,7 @@ import pytest
 from compare.chart import methods, points
 from compare.chart.figure import by_scene, chart_figure, described, findings, judged_by, slope
 from compare.chart.methods import METHODS, find_problem, measured, run_point
-from compare.chart.points import Point, measure_all, read_points, reference_of
+from compare.chart.points import Point, measure_all, not_measured, read_points, reference_of
 from compare.output.tables import write_rows
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from slipfront.cli.commands import main
@@ -85,12 +85,12 @@ def test_errors_of_any_scene_fall_with_cost(scene, few, wall, tmp_path):
         assert 0 < fine.error < coarse.error < 0.1
         assert min(coarse.seconds, fine.seconds) > 0
     names = {"ramp": "march, 256 nodes", "pair-slip": "exact solver, rtol 1e-10"}
-    (name,) = {one.reference for one in measured_points}
+    (name,) = {point.reference for point in measured_points}
     assert name == names.get(scene, "exact solver, rtol 1e-12")
     exact = name.startswith("exact")
     assert (groups["fem"][0].reference_error <= 1e-9) is exact
     said = judged_by(measured_points, scene)
-    assert re.search("judges its own method, and agrees with .*finite elements to", said)
+    assert re.search("one of the methods shown, and agrees with .*finite elements to", said)
 
 
 @pytest.mark.slow
@@ -102,8 +102,8 @@ def test_lengths_and_times_of_si_scenes_change_no_error(few, wall, tmp_path):
     si, both = (
         measure_all(tmp_path / "charts", [find_problem(n)], fresh=True) for n in (wall, str(other))
     )
-    for one, two in zip(si, both[6:], strict=True):
-        assert one.error == pytest.approx(two.error, rel=1e-3, abs=1e-12)
+    for point, two in zip(si, both[6:], strict=True):
+        assert point.error == pytest.approx(two.error, rel=1e-3, abs=1e-12)
 
 
 def test_a_marched_reference_carries_its_own_error_estimate(few):
@@ -116,14 +116,14 @@ def test_a_marched_reference_carries_its_own_error_estimate(few):
 @pytest.mark.slow
 def test_slip_is_compared_where_nothing_slips_any_more(few, tmp_path):
     measured_points = measure_all(tmp_path, [find_problem("incident-pulse")])
-    assert {one.quantity for one in measured_points} == {"slip"}
-    assert {one.error < 0.2 for one in measured_points} == {True}
+    assert {point.quantity for point in measured_points} == {"slip"}
+    assert {point.error < 0.2 for point in measured_points} == {True}
 
 
 def test_a_method_that_refuses_a_scene_says_why(few, tmp_path):
     measured_points = measure_all(tmp_path, [find_problem("lift-off-shear")])
-    refusing = [one for one in measured_points if one.method == "march"]
-    assert all("tensile" in one.status and math.isnan(one.error) for one in refusing)
+    refusing = [point for point in measured_points if point.method == "march"]
+    assert all("tensile" in point.status and math.isnan(point.error) for point in refusing)
     *_, last = described(measured_points)
     assert "tensile" in last
     assert "march" not in judged_by(measured_points, "lift-off-shear")
@@ -136,21 +136,38 @@ def test_an_interrupted_chart_goes_on_and_repeats_nothing(few, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         measure_all(tmp_path, problems)
     kept = read_points(tmp_path / points.FILE)
-    assert [one.key for one in kept] == few.calls
+    assert [point.key for point in kept] == few.calls
     few.most, sentences, counts = math.inf, [], []
     whole = measure_all(
         tmp_path, problems, progress=lambda *at: counts.append(at), tell=sentences.append
     )
     assert whole[:3] == kept
-    assert sorted(few.calls) == sorted({one.key for one in whole})
+    assert sorted(few.calls) == sorted({point.key for point in whole})
     assert counts == [(count, 12) for count in range(4, 13)]
     assert sentences == ["9 points to measure, 3 are there."]
     assert read_points(tmp_path / points.FILE) == whole
     again = measure_all(tmp_path, problems[:1], tell=sentences.append)
-    assert sorted(one.key for one in again) == sorted(one.key for one in whole)
+    assert sorted(point.key for point in again) == sorted(point.key for point in whole)
     assert (len(few.calls), len(sentences)) == (12, 1)
     measure_all(tmp_path, problems[:1], fresh=True)
     assert len(few.calls) == 18
+
+
+def test_a_budget_leaves_out_finer_points_which_the_next_run_measures(few, tmp_path, monkeypatch):
+    few.runs, clock, problems = False, [0.0], [find_problem("antiplane")]
+
+    def now():
+        clock[0] += 1.0
+        return clock[0]
+
+    monkeypatch.setattr(points, "monotonic", now)
+    whole = [("antiplane", *task) for task in problems[0].tasks]
+    some = measure_all(tmp_path, problems, budget=3.0)
+    assert [one.key for one in some] == whole[:2]
+    assert not_measured(problems, some) == whole[2:]
+    again = measure_all(tmp_path, problems)
+    assert sorted(few.calls) == sorted(whole)
+    assert not_measured(problems, again) == []
 
 
 def test_points_of_other_machines_versions_and_scenes_are_measured_anew(
@@ -214,7 +231,7 @@ def test_findings_follow_from_points():
     (found,) = findings(law)
     assert (found.cheapest, found.cheapest_error) == (10.0, law[0].error)
     assert (found.seconds_to_percent, found.least_error) == (50.0, law[-1].error)
-    assert "no other method judges it" in judged_by([made(method="exact")], "preloaded")
+    assert "is compared with no other" in judged_by([made(method="exact")], "preloaded")
     table, *_ = described(law)
     assert table.row_count == 1
 
@@ -241,7 +258,7 @@ def test_chart_from_the_command_line(tmp_path, monkeypatch, printed, shown):
     assert (tmp_path / "data" / "chart-found.csv").read_text().startswith(first)
     assert (tmp_path / "figures" / "chart_antiplane.png").stat().st_size > 10_000
     document = printed([*line, "--figures", "svg"])
-    assert [one["method"] for one in document["found"]] == [m.label for m in METHODS.values()]
+    assert [result["method"] for result in document["found"]] == [m.label for m in METHODS.values()]
     assert len(document["points"]) == 3
     with pytest.raises(SceneError):
         find_problem("nowhere")

@@ -33,7 +33,7 @@ def errors(path, answer):
     assert [record.x for record in run.stations] == list(STATIONS)
     found = []
     for name in QUANTITIES:
-        pairs = [(one.values[name], getattr(answer, name)(one.x, one.t)) for one in run.stations]
+        pairs = [(row.values[name], getattr(answer, name)(row.x, row.t)) for row in run.stations]
         seen, right = np.concatenate(pairs, axis=1)
         found.append(np.abs(seen - right).mean() / np.abs(right).mean())
     return np.array(found)
@@ -54,14 +54,14 @@ def test_errors_fall_with_cells_and_stay_small(code):
 def test_an_answer_whose_lower_body_is_three_per_cent_stiffer_is_worse():
     pair = find("pair-opening")
     stiffer = with_numbers(pair, {"lower_shear_modulus": 1.03 * pair.lower_material.shear_modulus})
-    right, off = (errors(PAIR, solve(one)) for one in (pair, stiffer))
+    right, off = (errors(PAIR, solve(scene)) for scene in (pair, stiffer))
     assert np.all(right < (0.006, 0.00028, 0.0053, 0.00093))
     assert np.all(off > np.array([2, 20, 1, 1.5]) * right)
 
 
 def test_contact_that_closes_before_its_gap_stays_wrong():
     (run,), answer = read_records([TAP]), solve("tap")
-    (record,) = (one for one in run.stations if one.x == 0.5)
+    (record,) = (station for station in run.stations if station.x == 0.5)
     early = (record.t > 0.7) & (record.t < 0.9)
     assert answer.gap(0.5, record.t[early]).min() > 0
     assert record.values["pressure"][early].min() > 0.1 * answer.scene.base.pressure

@@ -70,7 +70,7 @@ def test_equation_register_is_complete():
         r"^\| \(([\d.]+)\)(?:–\(([\d.]+)\))? \|", register.split("\n## ")[0], flags=re.MULTILINE
     ):
         section, number = first.split(".")
-        for one in range(int(number), int((last or first).split(".")[1]) + 1):
-            listed.add(f"{section}.{one}")
+        for entry in range(int(number), int((last or first).split(".")[1]) + 1):
+            listed.add(f"{section}.{entry}")
     counts = {"2": 1, "3": 21, "4": 45, "5": 4, "7": 11}
     assert listed == {f"{s}.{n}" for s, count in counts.items() for n in range(1, count + 1)}

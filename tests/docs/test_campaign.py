@@ -65,9 +65,9 @@ def test_it_sees_what_is_wrong():
     exact, other = solve(scene, rtol=1e-11), solve(replace(scene, friction=0.309), rtol=1e-8)
     assert campaign.error_between(solve(scene), exact) < 1e-8
     assert campaign.error_between(other, exact) > 1e-3
-    one = copy(exact)
-    one.__dict__["zones"] = exact.zones[:1]
-    assert campaign.error_between(one, exact) == np.inf
+    wrong = copy(exact)
+    wrong.__dict__["zones"] = exact.zones[:1]
+    assert campaign.error_between(wrong, exact) == np.inf
     random = np.random.default_rng(1)
     assert campaign.broken_law(solve(scene), random) < 1e-8
     spoilt = replace(solve(replace(scene, friction=0.309)), scene=scene)

@@ -34,7 +34,7 @@ def test_one_run_of_three_is_wrong_by_its_size(number):
     scaled, late = (RUNS[True][name](run, 0.01) for name in ("scaled", "late"))
     np.testing.assert_allclose(scaled.interface.slip, 1.01 * run.interface.slip)
     t, slip = run.interface.t, run.interface.slip
-    moved = np.array([np.interp(t - 0.01, t, one) for one in slip.T]).T
+    moved = np.array([np.interp(t - 0.01, t, row) for row in slip.T]).T
     inner = slice(len(t) // 2, -1)
     assert np.abs(late.interface.slip - moved)[inner].max() < 2e-3 * np.abs(slip).max()
 

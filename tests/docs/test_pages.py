@@ -37,7 +37,7 @@ def test_every_data_file_names_a_command_there_is_and_is_shown(file):
         module = importlib.util.find_spec(words[1])
         assert module is not None
         studies = getattr(importlib.import_module(words[1]), "STUDIES", words[2:3])
-        assert set(words[2:3]) <= {getattr(one, "name", one) for one in studies}
+        assert set(words[2:3]) <= {getattr(study, "name", study) for study in studies}
     else:
         assert python in ("slipfront", "pytest")
     marks = (f"<!-- table: {file}", f"data/{file}.csv")
@@ -111,7 +111,7 @@ def test_every_test_named_in_docs_exists(page):
         for file, function in re.findall(r"(tests/[\w/]+\.py)::(test_\w+)", text)
         if not (ROOT / file).is_file() or function not in functions_of(file)
     ]
-    alone = {one for one in re.findall(r"`(test_\w+)`", text)}
+    alone = {match for match in re.findall(r"`(test_\w+)`", text)}
     everywhere = set().union(
         *(functions_of(str(p.relative_to(ROOT))) for p in (ROOT / "tests").rglob("test_*.py"))
     )
@@ -153,8 +153,8 @@ def headings_of(page):
     """Anchors of a page, as `mkdocs` derives them from its headings."""
     plain = re.sub(r"^```.*?^```|<!--.*?-->", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
     headings = re.findall(r"^#+ (.+)$", plain, re.MULTILINE)
-    words = [re.sub(r"\]\([^)]*\)|[^\w\s-]", "", one).strip().lower() for one in headings]
-    return {re.sub(r"[\s-]+", "-", one) for one in words}
+    words = [re.sub(r"\]\([^)]*\)|[^\w\s-]", "", heading).strip().lower() for heading in headings]
+    return {re.sub(r"[\s-]+", "-", word) for word in words}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
@@ -175,7 +175,7 @@ def test_every_named_scene_has_its_section():
 
     page = (ROOT / "docs" / "scenes.md").read_text()
     sections = re.findall(r"^##+ (\S+)$", page, re.MULTILINE)
-    slots = (name for name, one in NAMED_SCENES.items() if one.scene.has_slot)
+    slots = (name for name, scene in NAMED_SCENES.items() if scene.scene.has_slot)
     assert sections == [name for name in slots if name != "growing-load"]
 
 

@@ -22,7 +22,7 @@ LONG = ("extending.md-1", "start.md-2", "survey.md-0", "spacetime.md-0")
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in SNIPPETS]
+    "name", [pytest.param(entry, marks=[pytest.mark.slow] * (entry in LONG)) for entry in SNIPPETS]
 )
 def test_snippet_runs_as_pasted(name, tmp_path, monkeypatch):
     (tmp_path / "docs").symlink_to(ROOT / "docs")

@@ -73,7 +73,7 @@ def text_of(notebook):
 
 def kinds(cell):
     """Kinds of output of a cell; a kernel sends printed text in any number of pieces."""
-    outputs = [(one.output_type, one.get("name")) for one in cell.get("outputs", ())]
+    outputs = [(output.output_type, output.get("name")) for output in cell.get("outputs", ())]
     return [kind for kind, _ in itertools.groupby(outputs)]
 
 
@@ -129,7 +129,7 @@ def test_figures_of_tutorials_say_poisson_ratio_friction_and_units(name):
     }
     for cell in drawn:
         titles = [call.args[0] for call in calls(cell, "set_title") + calls(cell, "suptitle")]
-        names = {one.id for title in titles for one in ast.walk(title) if isinstance(one, ast.Name)}
+        names = {sub.id for title in titles for sub in ast.walk(title) if isinstance(sub, ast.Name)}
         assert words & names or TITLE.search(" ".join(map(ast.unparse, titles)))
         labels = [
             ast.unparse(label.value)

@@ -9,6 +9,8 @@ from catalogue import PRELOADED, SHOCK, unit_scene
 
 import semianalytic as sf
 from fem import simulate
+from fem.model import build
+from fem.plan import make_plan
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 MIXED = unit_scene(0.5, (1.0, 0.2), (0.5, 0.5))
@@ -50,6 +52,11 @@ def mixed(history, law=LAWS["coulomb"]):
     return unit_scene(0.5, (1.0, 0.2), (0.5, 0.8), law=law, **histories)
 
 
+def prepare(scene, end_time=None, *, full=False, **options):
+    """The model of a scene before its first step."""
+    return build(make_plan(scene, end_time, None, options, full=full))
+
+
 @cache
 def run(scene, resolution=32, **options):
     """A simulation, which is run once for all tests of a module."""
@@ -81,10 +88,10 @@ OF_CLOCK = ("seconds",)
 """Fields in which two equal simulations may differ: those of the clock."""
 
 
-def assert_same(one, other, but=OF_CLOCK):
+def assert_same(first, other, but=OF_CLOCK):
     """Fail unless two simulations are equal to the last bit, but for some fields."""
-    for field in dataclasses.fields(one):
-        left, right = getattr(one, field.name), getattr(other, field.name)
+    for field in dataclasses.fields(first):
+        left, right = getattr(first, field.name), getattr(other, field.name)
         if field.name in ("interface", "slot", "energy", "totals"):
             for part in dataclasses.fields(left):
                 np.testing.assert_array_equal(getattr(left, part.name), getattr(right, part.name))

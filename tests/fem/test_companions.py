@@ -20,9 +20,9 @@ def carrying(mesh_cache):
     return with_companions(simulate(SHOCK, resolution=40))
 
 
-def assert_same_run(one, other):
+def assert_same_run(first, other):
     """Equal in everything but the time it took and what it carries."""
-    assert_same(one, other, but=(*OF_CLOCK, "companion"))
+    assert_same(first, other, but=(*OF_CLOCK, "companion"))
 
 
 def test_companions_are_the_run_until_a_half_and_a_quarter_of_its_end(carrying):
@@ -45,12 +45,12 @@ def test_companions_are_the_run_until_a_half_and_a_quarter_of_its_end(carrying):
 def test_companions_come_back_from_the_file(carrying, tmp_path):
     carrying.save(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["simulation.h5"]
-    one, other = carrying, load_simulation(tmp_path)
+    first, other = carrying, load_simulation(tmp_path)
     for _ in range(3):
-        assert_same_run(one, other)
-        assert one.seconds == other.seconds
-        one, other = one.companion, other.companion
-    assert one is other is None
+        assert_same_run(first, other)
+        assert first.seconds == other.seconds
+        first, other = first.companion, other.companion
+    assert first is other is None
 
 
 def test_damaged_companion_is_an_error(carrying, tmp_path):
@@ -78,15 +78,15 @@ def test_only_what_is_missing_is_run(carrying, monkeypatch):
 def test_companions_have_the_settings_of_the_simulation():
     options = {"damping": 0.05, "step_ratio": 0.7, "end_time": 0.5}
     options |= {"model": "two-blocks"}
-    one = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
+    simulation = with_companions(simulate(SHOCK, resolution=32, every=4, **options))
     pair = replace(SHOCK, lower_material=sf.Material(2.0, 1.0, 0.3))
-    for run in (one, with_companions(simulate(pair, resolution=32))):
+    for run in (simulation, with_companions(simulate(pair, resolution=32))):
         for times, other in ((2, run.companion), (4, run.companion.companion)):
             assert (other.scene, other.resolution) == (run.scene, run.resolution / times)
             for name in ("damping", "model", "end_time"):
                 assert getattr(other, name) == getattr(run, name), name
             assert other.time_step == pytest.approx(times * run.time_step)
-    assert one.companion.interface.t[1] == pytest.approx(one.interface.t[1])
+    assert simulation.companion.interface.t[1] == pytest.approx(simulation.interface.t[1])
     run = with_companions(simulate(SHOCK, resolution=20, every=10**6))
     assert len(run.companion.interface.t) <= 3
 
@@ -99,7 +99,7 @@ def test_companions_end_where_meshes_would_be_too_coarse(resolution):
     while (run := run.companion) is not None:
         seen.append(run.resolution)
     expected = [round(resolution / 2), round(resolution / 4)]
-    assert seen == [one for one in expected if one >= 8]
+    assert seen == [mesh for mesh in expected if mesh >= 8]
 
 
 @pytest.mark.thinned(2)

@@ -8,13 +8,12 @@ from catalogue import solved, unit_scene
 
 import semianalytic as sf
 from fem import Settings, cost, simulate
-from fem.model import prepare
 from fem.resolution import LEAST_CROSSED
 from fem.results import load_simulation, opening_sentence
 from fem.run import levels
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.scene.given.finding import find_scene
-from tests.fem.runs import run
+from tests.fem.runs import prepare, run
 
 BACK_AND_FORTH = find_scene("harmonic")
 
@@ -76,9 +75,9 @@ def test_zones_are_those_of_the_exact_solution():
     exact = solved("preloaded").zones_at(0.77)
     seen = named("preloaded", 100).zones_at(0.77)
     assert [zone.sense for zone in seen] == [zone.sense for zone in exact]
-    for one, other in zip(seen, exact, strict=True):
-        assert one.start == pytest.approx(other.start, abs=0.02)
-        assert one.end == pytest.approx(other.end, abs=0.02)
+    for answer, other in zip(seen, exact, strict=True):
+        assert answer.start == pytest.approx(other.start, abs=0.02)
+        assert answer.end == pytest.approx(other.end, abs=0.02)
 
 
 def tributary(sim):
@@ -100,8 +99,8 @@ def edge_pair(scene, resolution=40):
 def test_totals_are_sums_of_every_step_stored_or_not():
     whole, thinned = (simulate(BACK_AND_FORTH, resolution=40, every=every) for every in (1, 10**6))
     for field in fields(whole.totals):
-        one, other = getattr(whole.totals, field.name), getattr(thinned.totals, field.name)
-        np.testing.assert_array_equal(one, other)
+        first, other = getattr(whole.totals, field.name), getattr(thinned.totals, field.name)
+        np.testing.assert_array_equal(first, other)
     length, history = tributary(whole), whole.interface
     at_edge, _ = edge_pair(BACK_AND_FORTH)
     path = np.abs(np.diff(history.slip, axis=0, prepend=0.0)).cumsum(axis=0)

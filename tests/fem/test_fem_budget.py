@@ -10,11 +10,10 @@ from catalogue import PRELOADED as SHEARED
 from catalogue import UNIT, unit_scene
 
 from fem import cost, simulate
-from fem.model import prepare
 from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
-from tests.fem.runs import MIXED
+from tests.fem.runs import MIXED, prepare
 
 NEARLY_INCOMPRESSIBLE = unit_scene(nu=0.4999)
 

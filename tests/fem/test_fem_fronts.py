@@ -63,10 +63,10 @@ def test_slip_under_an_incident_wave_is_that_of_the_exact_solution(friction, she
 def test_a_wave_of_normal_incidence_is_a_remote_step():
     wave = sf.Scene(UNIT, 1.2, PRESSED, sf.IncidentWave("P", angle=0.0, stress=1.0))
     remote = replace(wave, load=sf.Tractions(1.0, 0.0), load_on="remote")
-    one, other = (simulate(scene, resolution=12) for scene in (wave, remote))
-    np.testing.assert_array_equal(one.interface.pressure, other.interface.pressure)
+    first, other = (simulate(scene, resolution=12) for scene in (wave, remote))
+    np.testing.assert_array_equal(first.interface.pressure, other.interface.pressure)
     # what moves on the slot is the wave besides
-    np.testing.assert_allclose(one.slot.velocity_y[1:], other.slot.velocity_y[1:] + 0.5)
+    np.testing.assert_allclose(first.slot.velocity_y[1:], other.slot.velocity_y[1:] + 0.5)
 
 
 def test_pulses_arrive_at_an_angle():
@@ -96,7 +96,7 @@ def test_slip_under_a_wave_that_rises_and_falls_is_that_of_the_march(scene):
     run, answer = simulate(scene, resolution=40), sf.solve(scene, method="space-time", nodes=200)
     x, t = np.linspace(0.05, 0.95, 37), np.linspace(0.2, 1.0, 5)
     for name, bar in (("slip", 0.05), ("pressure", 0.005), ("shear_traction", 0.04)):
-        seen = np.array([getattr(run, name)(x, one) for one in t])
+        seen = np.array([getattr(run, name)(x, time) for time in t])
         assert l1(seen, getattr(answer, name)(x, t[:, None])) < bar, name
     assert np.abs(answer.slip(x, 1.0)).max() > 0.01
 

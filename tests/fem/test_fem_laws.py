@@ -128,8 +128,8 @@ def test_half_block_equals_two_blocks(name):
         ("energy", ("kinetic", "strain", "friction", "damping", "external", "impact"), 1e-12),
     ):
         for field in names:
-            one, other = (getattr(getattr(sim, part), field) for sim in (half, two))
-            np.testing.assert_allclose(one, other, rtol=1e-10, atol=zero, err_msg=field)
+            first, other = (getattr(getattr(sim, part), field) for sim in (half, two))
+            np.testing.assert_allclose(first, other, rtol=1e-10, atol=zero, err_msg=field)
 
 
 def test_scene_decides_the_model():
@@ -147,9 +147,9 @@ def test_trimmed_domain_and_window_change_nothing(scene, tmp_path, monkeypatch):
     full = simulate(scene, resolution=32, snapshots=tmp_path, frames=1)
     assert full.unknowns > 1.5 * trimmed.unknowns
     for name in FIELDS:
-        one, other = getattr(trimmed.interface, name), getattr(full.interface, name)
+        first, other = getattr(trimmed.interface, name), getattr(full.interface, name)
         # forerunners beyond the margin of 8 h + 3 c_l sqrt(eta T)
-        np.testing.assert_allclose(one, other, atol=1e-7, err_msg=name)
+        np.testing.assert_allclose(first, other, atol=1e-7, err_msg=name)
     # nothing comes back on the full domain: twice as much of the slot is recorded
     reach = -scene.material.longitudinal_speed
     assert full.slot.x[0] == pytest.approx(reach, abs=full.element_size)
@@ -160,10 +160,10 @@ def test_trimmed_domain_and_window_change_nothing(scene, tmp_path, monkeypatch):
 
 def test_turning_the_shear_round_turns_the_slip_round():
     turned = replace(SHOCK, load=replace(SHOCK.load, shear=-1.0))
-    one, other = run(SHOCK).interface, run(turned).interface
-    np.testing.assert_array_equal(one.slip, -other.slip)
-    np.testing.assert_array_equal(one.shear_traction, -other.shear_traction)
-    np.testing.assert_array_equal(one.pressure, other.pressure)
+    first, other = run(SHOCK).interface, run(turned).interface
+    np.testing.assert_array_equal(first.slip, -other.slip)
+    np.testing.assert_array_equal(first.shear_traction, -other.shear_traction)
+    np.testing.assert_array_equal(first.pressure, other.pressure)
 
 
 def test_states_are_named():

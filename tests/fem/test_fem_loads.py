@@ -31,11 +31,11 @@ def test_kicks_add_up_to_the_impulse_of_the_load(history):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [sheared, mixed])
 def test_ramp_in_no_time_is_a_step_to_the_bit(scene):
-    one, other = run(scene(Step()), 40), run(scene(Ramp(0.0)), 40)
+    left, other = run(scene(Step()), 40), run(scene(Ramp(0.0)), 40)
     for name in FIELDS:
-        np.testing.assert_array_equal(getattr(one.interface, name), getattr(other.interface, name))
+        np.testing.assert_array_equal(getattr(left.interface, name), getattr(other.interface, name))
     for name in ("kinetic", "friction", "external"):
-        np.testing.assert_array_equal(getattr(one.energy, name), getattr(other.energy, name))
+        np.testing.assert_array_equal(getattr(left.energy, name), getattr(other.energy, name))
 
 
 @pytest.mark.slow

@@ -134,9 +134,9 @@ def test_equal_lower_material_changes_nothing_but_the_walls():
     assert run.model == "two blocks of different materials"
     assert run.scene.lower_material == almost
     for name in ("slip_rate", "shear_traction", "pressure"):
-        one, other = getattr(same.interface, name), getattr(run.interface, name)
+        first, other = getattr(same.interface, name), getattr(run.interface, name)
         # the moduli differ by 1e-9; forerunners from the free walls stay below 1e-7
-        np.testing.assert_allclose(one, other[:, : one.shape[1]], atol=2e-7, err_msg=name)
+        np.testing.assert_allclose(first, other[:, : first.shape[1]], atol=2e-7, err_msg=name)
 
 
 def test_slip_between_different_materials_changes_the_pressure():
@@ -156,8 +156,8 @@ def test_slip_between_different_materials_changes_the_pressure():
     )
     assert turned.element_size == run.element_size
     reach = min(len(run.interface.x), len(turned.interface.x))
-    one, other = (s.interface.pressure[-1, :reach] for s in (run, turned))
-    assert np.abs(one - other).max() < 0.02 * np.abs(one - 1).max()
+    first, other = (s.interface.pressure[-1, :reach] for s in (run, turned))
+    assert np.abs(first - other).max() < 0.02 * np.abs(first - 1).max()
 
 
 def test_different_materials_cannot_slide_everywhere():

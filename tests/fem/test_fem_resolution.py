@@ -130,7 +130,7 @@ def test_what_is_accepted_is_resolved(history):
     """Measured at h = 1/24 against 1/72: friction work 4.4, 5.2, 2.7 and 3.2 % off."""
     assert resolves(history, 1 / 24, 1.0)
     assert not resolves(history, 1 / 23, 1.0)
-    work = [float(sheared(history, one).frictional_work(1.0)) for one in (24, 72)]
+    work = [float(sheared(history, number).frictional_work(1.0)) for number in (24, 72)]
     assert work[0] == pytest.approx(work[1], rel=0.08)
 
 

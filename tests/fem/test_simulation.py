@@ -8,10 +8,9 @@ from catalogue import PRELOADED, SHOCK, STEEL, UNIT, unit_scene
 
 import semianalytic as sf
 from fem import simulate
-from fem.model import prepare
 from fem.run import levels
 from semianalytic.reference import slip_rate_under_shear_step
-from tests.fem.runs import SCENES, l1, run
+from tests.fem.runs import SCENES, l1, prepare, run
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.1])
@@ -101,11 +100,11 @@ def test_units_do_not_matter(scene):
         for part in (scene.base, scene.load)
     )
     steel = replace(scene, material=STEEL, base=base, load=load)
-    one, other = run(scene).interface, run(steel, end_time=end).interface
+    first, other = run(scene).interface, run(steel, end_time=end).interface
     rate = stress / STEEL.shear_impedance
-    np.testing.assert_allclose(other.slip_rate / rate, one.slip_rate, atol=1e-12)
-    np.testing.assert_allclose(other.pressure / stress, one.pressure, rtol=1e-9)
-    np.testing.assert_allclose(other.x / (end * STEEL.shear_speed), one.x, atol=1e-12)
+    np.testing.assert_allclose(other.slip_rate / rate, first.slip_rate, atol=1e-12)
+    np.testing.assert_allclose(other.pressure / stress, first.pressure, rtol=1e-9)
+    np.testing.assert_allclose(other.x / (end * STEEL.shear_speed), first.x, atol=1e-12)
 
 
 # --- what simulate accepts and returns --------------------------------------------------------
@@ -119,8 +118,8 @@ def test_every_thins_the_histories():
     np.testing.assert_array_equal(thin.slot.velocity_x, whole.slot.velocity_x[levels])
     # sums over every step are not thinned out
     for part in fields(whole.energy):
-        one, other = (getattr(sim.energy, part.name) for sim in (thin, whole))
-        np.testing.assert_array_equal(one, other)
+        first, other = (getattr(sim.energy, part.name) for sim in (thin, whole))
+        np.testing.assert_array_equal(first, other)
     assert thin.energy.residual == whole.energy.residual < 1e-13
 
 
@@ -234,8 +233,8 @@ def test_error_is_less_than_that_of_single_steps(scene, most):
     errors = np.zeros(2)
     for row in rows:
         expected = exact.slip_rate(x, t[row])
-        for one, rate in enumerate((sim.interface.slip_rate[row], single[row - 1])):
-            errors[one] += np.abs(rate - expected)[shown].sum() / np.abs(expected[shown]).sum()
+        for values, rate in enumerate((sim.interface.slip_rate[row], single[row - 1])):
+            errors[values] += np.abs(rate - expected)[shown].sum() / np.abs(expected[shown]).sum()
     assert errors[0] < most * errors[1]
 
 

@@ -9,7 +9,8 @@ import pytest
 from faults import FULL, full_disk
 
 from meshes import Blocks, mesh_of
-from meshes.build import APT_PACKAGES, build_mesh
+from meshes.build import APT_PACKAGES
+from meshes.cache import cache_path
 from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 
@@ -60,14 +61,15 @@ def test_the_command_refuses_triangles_with_exit_code_5(without_gmsh, tmp_path, 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("how", FULL)
-def test_a_full_disk_is_one_sentence(how, tmp_path):
+def test_a_full_disk_is_one_sentence(how, tmp_path, monkeypatch):
     blocks = Blocks(0.01, 40, 40, 40, pattern="triangles")
     with full_disk(how, tmp_path) as (folder, make_room):
+        monkeypatch.setenv("SLIPFRONT_CACHE", str(folder))
         with pytest.raises(DataFileError, match=r"[\d,]+ bytes are needed in .* and [\d,]+ are"):
-            build_mesh(blocks, folder / "blocks.msh")
+            mesh_of(blocks)
         make_room()
-        build_mesh(blocks, folder / "blocks.msh")
-        read_mesh(folder / "blocks.msh", blocks)
+        mesh_of(blocks)
+        read_mesh(cache_path(blocks), blocks)
 
 
 def test_readme_and_ci_install_what_the_message_names():

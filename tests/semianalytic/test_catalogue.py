@@ -67,7 +67,7 @@ def test_error_is_honest(problem):
 @over("exact")
 def test_mirrored_tractions_mirror_slip(problem):
     scene = problem.scene
-    base, load = (Tractions(one.pressure, -one.shear) for one in (scene.base, scene.load))
+    base, load = (Tractions(pair.pressure, -pair.shear) for pair in (scene.base, scene.load))
     solution, mirrored = solve(scene), solve(dataclasses.replace(scene, base=base, load=load))
     np.testing.assert_array_equal(solution.edge_speeds, mirrored.edge_speeds)
     assert tuple(-zone.sense for zone in mirrored.zones) == problem.senses
@@ -82,7 +82,7 @@ def test_units_do_not_matter(problem):
     scene, stress, time = problem.scene, 3e6, 1e-3
     material = dataclasses.replace(STEEL, poisson_ratio=scene.material.poisson_ratio)
     base, load = (
-        Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
+        Tractions(stress * pair.pressure, stress * pair.shear) for pair in (scene.base, scene.load)
     )
     law, speed = scene.law, material.shear_speed
     if isinstance(law, Coulomb):

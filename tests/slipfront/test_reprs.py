@@ -10,8 +10,8 @@ from catalogue import PRELOADED, solved
 
 import slipfront as sf
 from compare.comparison.judgement import judge
-from fem.model import prepare
 from semianalytic.results.in_words import html_table
+from tests.fem.runs import prepare
 
 X, T = np.array([0.1, 0.2]), np.linspace(0.1, 1.0, 20)
 

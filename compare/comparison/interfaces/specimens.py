@@ -77,8 +77,8 @@ def compare_specimen(
     samples = int(np.ceil(SAMPLES * end_time / until)) if until > 0 else MOST_SAMPLES + 1
     if samples > MOST_SAMPLES:
         raise SceneError(
-            "compare: the ends of the specimen are felt so soon that no half-plane is its answer "
-            "for any time; move the loads from the ends of the joint, or lower `size`."
+            "compare: the ends of the specimen send waves so early that half-planes describe it "
+            "at no time; move the loads from the ends of the joint, or lower `size`."
         )
     given = {"samples": samples, **options}
     meshes = [specimen.simulated(end_time, size=size, progress=progress, **given)]
@@ -126,10 +126,10 @@ class SpecimenCase(LineCase):
         ends = coarsest.x[[0, -1]]
         on &= np.abs(coarsest.x[:, None] - ends).min(axis=1) > away
         values = []
-        for step, one, run in zip((4, 2, 1), self.whole, self.runs, strict=True):
+        for step, numbers, run in zip((4, 2, 1), self.whole, self.runs, strict=True):
             own: Any = run
             in_place = getattr(own.line, name)[0] - getattr(own.interface, name)[0]
-            values.append((getattr(one, name)[later] - in_place)[:, ::step][:, on])
+            values.append((getattr(numbers, name)[later] - in_place)[:, ::step][:, on])
         fine, half, coarse = values
         size = float(np.abs(fine).mean()) if fine.size else 0.0
         if not size > self.nothing(name.replace("_", " ")):
@@ -162,7 +162,7 @@ def judge_specimen(specimen: Specimen, meshes: Sequence[LineSimulation], until: 
     nodes, times = fitting_nodes(scene, NODES, 2), meshes[0].t[levels]
     done = solve(scene, end_time=float(times[-1]), nodes=nodes, times=times.tolist())
     names = ("t", *UNITS, "strength", "window", "window_slip")
-    early = [replace(one, **{name: getattr(one, name)[levels] for name in names}) for one in meshes]
+    early = [replace(run, **{name: getattr(run, name)[levels] for name in names}) for run in meshes]
     case: Any = line_case(done, early, SpecimenCase)
     case.whole = tuple(meshes)
     return Judgement(case, tuple(case.rows()))

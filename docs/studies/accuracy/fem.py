@@ -116,7 +116,7 @@ def openings(scene: str, resolutions: Sequence[int]) -> list[Row]:
             ends[end] = number(row.simulated if row else None)
             ends[f"exact_{end}"] = number(row.exact if row else None)
         beyond = case.seen.x >= case.runs[-1].interface.x[0]
-        seen, known = (one.gap[-1, beyond].max() for one in (case.seen, case.at_nodes))
+        seen, known = (values.gap[-1, beyond].max() for values in (case.seen, case.at_nodes))
         found_row = {"scene": scene, "h": f"1/{resolution}", **ends}
         rows.append({**found_row, "gap": gap, "order": order, "largest": seen / known - 1})
     return rows

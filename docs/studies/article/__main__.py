@@ -34,7 +34,7 @@ def claim_rows(resolution: int) -> list[Row]:
 
 
 STUDIES = [
-    Study("article-cases", lambda quick: [(*one, _resolution(quick)) for one in CASES], case_row),
+    Study("article-cases", lambda quick: [(*case, _resolution(quick)) for case in CASES], case_row),
     Study("article-claims", lambda quick: [(_resolution(quick),)], claim_rows),
     Study(
         "article-slots",

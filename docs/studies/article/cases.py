@@ -100,7 +100,7 @@ def run_case(kind: str, chi: float, resolution: int) -> Case:
 
 def run_cases(resolution: int) -> Cases:
     """Solve and simulate all cases."""
-    return {one: run_case(*one, resolution) for one in CASES}
+    return {case: run_case(*case, resolution) for case in CASES}
 
 
 def smooth_slip() -> SlipHistory:

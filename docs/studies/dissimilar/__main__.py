@@ -37,8 +37,8 @@ _LEAST, _MOST = 0.01, 100.0
 def map_points(quick: bool) -> list[Point]:
     """Return columns of the map of growth, thresholds on it, and named pairs over friction."""
     size = 12 if quick else 40
-    columns = [("map", one, size) for one in np.geomspace(*MAPPED, size).tolist()]
-    curves = [("curves", one, 0) for one in np.geomspace(*MAPPED, 4 * size).tolist()]
+    columns = [("map", ratio, size) for ratio in np.geomspace(*MAPPED, size).tolist()]
+    curves = [("curves", ratio, 0) for ratio in np.geomspace(*MAPPED, 4 * size).tolist()]
     return [*columns, *curves, *(("named", name, 24) for name in pairs.NAMED)]
 
 
@@ -58,8 +58,8 @@ def map_rows(part: str, of: Any, size: int) -> list[Row]:
         }
         row: Row = {"part": part, "of": of, "friction": friction}
         if part == "map":
-            row["with"] = max((grown[one] for one in grown if one > 0), default=0.0)
-            row["against"] = max((grown[one] for one in grown if one < 0), default=0.0)
+            row["with"] = max((grown[wave] for wave in grown if wave > 0), default=0.0)
+            row["against"] = max((grown[wave] for wave in grown if wave < 0), default=0.0)
         else:
             row["velocity"], row["growth"] = next(iter(grown.items()), (np.nan, np.nan))
         rows.append(row)
@@ -83,7 +83,7 @@ def threshold_row(contrast: float) -> Row:
 def growth_figure(rows: list[Row]) -> Figure:
     """Draw growth per wavelength over contrast and friction, and over friction for named pairs."""
     grown = [max(row.get("with", 0), row.get("against", 0)) or np.nan for row in rows]
-    shown = [row | {"largest": one} for row, one in zip(rows, grown, strict=True)]
+    shown = [row | {"largest": wave} for row, wave in zip(rows, grown, strict=True)]
     named = [row for row in shown if row["part"] == "named" and row["growth"] == row["growth"]]
     growth = {"xscale": "log", "yscale": "log"}
     panels: list[dict[str, Any]] = [
@@ -165,11 +165,11 @@ def slot_row(scene: str) -> Row:
 
 STUDIES = [
     Study("dissimilar-map", map_points, map_rows, lambda rows: [], {"dissimilar": growth_figure}),
-    Study("dissimilar-thresholds", lambda quick: [(one,) for one in TABLED], threshold_row),
+    Study("dissimilar-thresholds", lambda quick: [(entry,) for entry in TABLED], threshold_row),
     Study("dissimilar-named", lambda quick: [(n, f) for n in pairs.NAMED for f in SLID], named_row),
     Study(
         "dissimilar-halflines",
-        lambda quick: [(*one, chi) for one in HALF_LINES for chi in (1.0, 2.0)],
+        lambda quick: [(*line, chi) for line in HALF_LINES for chi in (1.0, 2.0)],
         half_line_row,
     ),
     Study("dissimilar-slots", lambda quick: [(name,) for name in pairs.SCENES], slot_row),

@@ -114,7 +114,7 @@ def fields_rows(name: str, resolution: int) -> list[Row]:
         run = simulate(scene, time, **options)
         run = with_companions(run, snapshots=folder)
         errors, wrong = (
-            _field_errors(one, run, folder) for one in (scene, replace(scene, lower_material=lower))
+            _field_errors(job, run, folder) for job in (scene, replace(scene, lower_material=lower))
         )
     found = {(change.component, change.part): change for change in errors.changes}
     off = {(change.component, change.part): change for change in wrong.changes}
@@ -140,7 +140,7 @@ def error_of(answer: PairSolution, exact: PairSolution) -> float | None:
     scene, load = answer.scene, answer.scene.superposition.taken_off
     slow = min(body.shear_speed for body in scene.bodies)
     fast = scene.fastest_speed
-    ends = [_ends(one) for one in (answer, exact)]
+    ends = [_ends(result) for result in (answer, exact)]
     if ends[0].shape != ends[1].shape:
         return None
     moves = ends[1] > 0
@@ -149,12 +149,12 @@ def error_of(answer: PairSolution, exact: PairSolution) -> float | None:
     x = x[np.abs(x[:, None] - np.append(ends[1], np.inf)).min(axis=1) > BESIDE * slow]
     found = [float(shifts.max(initial=0.0))]
     for name in ("slip_rate", "gap_rate", "slip", "gap"):
-        one, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
-        found.append(float(np.abs(one - other).max() / (np.abs(other).max() or 1.0)))
+        values, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
+        found.append(float(np.abs(values - other).max() / (np.abs(other).max() or 1.0)))
     carried = scene.base.pressure + abs(load.pressure) + abs(load.shear)
     for name in ("pressure", "shear_traction"):
-        one, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
-        found.append(float((np.abs(one - other) / (np.abs(other) + carried)).max()))
+        values, other = (getattr(each, name)(x, 1.0) for each in (answer, exact))
+        found.append(float((np.abs(values - other) / (np.abs(other) + carried)).max()))
     return max(found)
 
 
@@ -193,7 +193,7 @@ def honesty(rows: list[Row]) -> list[Row]:
         errors = [row["error"] for row in solved if row["ratio"] == row["ratio"]]
         row: Row = {"rtol": rtol, "drawn": len(own), "refused": len(own) - len(solved)}
         row |= {"solved": len(solved)}
-        row["unconverged"] = sum(one["status"] != "converged" for one in solved)
+        row["unconverged"] = sum(answer["status"] != "converged" for answer in solved)
         row |= {"other_zones": len(solved) - len(ratios), "compared": len(ratios)}
         row["below"] = sum(ratio <= 1 for ratio in ratios)
         row["worst_ratio"] = max(ratios, default=np.nan)

@@ -45,7 +45,7 @@ def ours(nodes: int) -> GridRun:
     times = np.linspace(0, END, FRAMES)[1:].tolist()
     done, seconds = timed_run(face, END, nodes, times)
     every, fields = nodes // GRIDS[0], fields_of(done, "gap", "pressure")
-    shown = {name: one[:, ::every] for name, one in fields.items()}
+    shown = {name: field[:, ::every] for name, field in fields.items()}
     return GridRun(f"{nodes} nodes", shown, seconds)
 
 

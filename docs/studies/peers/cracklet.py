@@ -93,8 +93,8 @@ def verified(path: Path) -> tuple[float, Array, Array]:
     start = re.search(r"element V=(\S+)", text)
     if start is None:
         raise SystemExit(f"{path} does not say the slip rate at the start.")
-    t = np.array([float(one) for one in re.findall(r"Simulation at t \d+ = (\S+)", text)])
-    rise = np.array([float(one) for one in re.findall(r"v_max-v_av = (\S+)", text)])
+    t = np.array([float(match) for match in re.findall(r"Simulation at t \d+ = (\S+)", text)])
+    rise = np.array([float(match) for match in re.findall(r"v_max-v_av = (\S+)", text)])
     return float(start[1]), t[1:], rise[1:]
 
 

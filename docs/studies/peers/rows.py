@@ -31,18 +31,18 @@ class GridRun:
     seconds: float | None
 
 
-def off(one: Array, other: Array) -> float:
+def off(left: Array, other: Array) -> float:
     """Return the L1 difference of two fields, relative to the mean of their L1 norms.
 
     Where one has several times as many places as the other, the common ones are compared; a place
     at the end that only one of them has is left out.
     """
-    first, second = one.shape[-1], other.shape[-1]
-    one = one[..., :: max(1, round(first / second))]
+    first, second = left.shape[-1], other.shape[-1]
+    left = left[..., :: max(1, round(first / second))]
     other = other[..., :: max(1, round(second / first))]
-    count = min(one.shape[-1], other.shape[-1])
-    one, other = one[..., :count], other[..., :count]
-    return float(2 * np.abs(one - other).sum() / (np.abs(one).sum() + np.abs(other).sum()))
+    count = min(left.shape[-1], other.shape[-1])
+    left, other = left[..., :count], other[..., :count]
+    return float(2 * np.abs(left - other).sum() / (np.abs(left).sum() + np.abs(other).sum()))
 
 
 def record(
@@ -66,17 +66,17 @@ def record(
         finest = pairs[-1][1].fields[quantity]
         before: tuple[Array, Array] | None = None
         for their, our in pairs:
-            one, other = their.fields[quantity], our.fields[quantity]
+            first, other = their.fields[quantity], our.fields[quantity]
             row: Row = {"peer": peer, "case": case, "quantity": quantity}
             row |= {"their_grid": their.grid, "our_grid": our.grid}
-            row["their_error"] = rounded(off(one, finest)) if several else None
+            row["their_error"] = rounded(off(first, finest)) if several else None
             row["our_error"] = rounded(off(other, known))
-            row["their_change"] = rounded(off(one, before[0])) if several and before else None
+            row["their_change"] = rounded(off(first, before[0])) if several and before else None
             row["our_change"] = rounded(off(other, before[1])) if before else None
             row["their_seconds"] = their.seconds and rounded(their.seconds, 2)
             row["our_seconds"] = our.seconds and rounded(our.seconds, 2)
             rows.append(row | {"command": command})
-            before = one, other
+            before = first, other
     print(*rows, sep="\n")
     kept = [
         row for row in read_data(FILE.stem)[1] if (row["command"], row["case"]) != (command, case)

@@ -170,8 +170,8 @@ def main() -> None:
             text, meshes = their_input(source, problem, count), source.glob("*.mesh2d")
             theirs, their_seconds = their_run(program, text, problem.depth, meshes)
             ours, our_seconds = our_run(problem, nodes, times)
-            one = at_points(problem, theirs, spacing, their_seconds)
-            pairs.append((one, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))
+            row = at_points(problem, theirs, spacing, their_seconds)
+            pairs.append((row, at_points(problem, ours, f"{96e3 / nodes:g} m", our_seconds)))
         case = f"TPV3, {'antiplane' if problem.depth else 'in plane'}"
         record("SEM2DPACK", case, COMMAND, pairs)
 

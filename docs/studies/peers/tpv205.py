@@ -41,7 +41,7 @@ def our_run(nodes: int, t: Array, x: Array) -> tuple[GridRun, Array]:
     done, seconds = timed_run(found, float(t[-1]), nodes, t)
     where = np.abs(done.interface.x[:, None] - x).argmin(axis=0)
     whole = fields_of(done, "slip", "slip rate", "shear traction")
-    fields = {name: one[1:, where] for name, one in whole.items()}
+    fields = {name: values[1:, where] for name, values in whole.items()}
     before = whole["shear traction"][0, where]
     fields["shear traction"] = fields["shear traction"] - before
     return GridRun(f"{found.period / nodes:g} m", fields, seconds), before
@@ -53,7 +53,7 @@ def main() -> None:
     found = stations(folder)
     x, t = 1e3 * np.array(list(found)), next(iter(found.values()))[:, 0]
     runs = [our_run(nodes, t, x) for nodes in NODES]
-    slip, rate, shear = (np.array([one[1:, i] for one in found.values()]).T for i in (1, 2, 3))
+    slip, rate, shear = (np.array([entry[1:, i] for entry in found.values()]).T for i in (1, 2, 3))
     # PyLith writes a shear traction of 0 at t = 0; the next one is the initial one except in the
     # patch that slips at once, where ours is taken
     fields = {"slip": slip, "slip rate": rate, "shear traction": MEGA * shear - runs[-1][1]}

@@ -125,7 +125,7 @@ def dumped(program: Path, nodes: int, *names: str) -> tuple[list[Array], float]:
         seconds = seconds_of([program, str(nodes), "0.35"], here)
         place = here / f"{program.name}_{nodes}-DataFiles"
         raw = (np.fromfile(place / f"{name}.out", dtype="<f4") for name in names)
-        return [one.reshape(-1, nodes)[1:, :: nodes // 256].astype(float) for one in raw], seconds
+        return [line.reshape(-1, nodes)[1:, :: nodes // 256].astype(float) for line in raw], seconds
 
 
 def their_bimat(build: Path, nodes: int) -> GridRun:

@@ -64,12 +64,12 @@ def map_rows(part: str, loading: Loading, poisson_ratio: float, chi: Sequence[fl
         found = [*sweep(scene_of(loading, poisson_ratio, chi[0]), chi, RTOL).solutions]
     except ComputationError:
         found = [None] * len(chi)
-        for i, one in enumerate(chi):
+        for i, ratio in enumerate(chi):
             with suppress(ComputationError):
-                found[i] = solve(scene_of(loading, poisson_ratio, one), rtol=RTOL)
+                found[i] = solve(scene_of(loading, poisson_ratio, ratio), rtol=RTOL)
     rows: list[Row] = []
-    for one, solution in zip(chi, found, strict=True):
-        row: Row = {"part": part, "loading": loading, "poisson_ratio": poisson_ratio, "chi": one}
+    for ratio, solution in zip(chi, found, strict=True):
+        row: Row = {"part": part, "loading": loading, "poisson_ratio": poisson_ratio, "chi": ratio}
         row |= {"regime": "failed", "zones": [], "error_estimate": math.inf}
         if solution is not None:
             speed = solution.scene.material.shear_speed
@@ -186,7 +186,7 @@ def viscous_points(quick: bool) -> list[Point]:
     size, count = (6, 9) if quick else (32, 41)
     viscosities = (10 ** middles(*figures.VISCOUS_DECADES, size)).tolist()
     ratios = (-0.2, 0.0, 0.2, figures.VISCOUS_RATIO, 0.45)
-    return [*(("map", one, size) for one in viscosities), *(("curves", nu, count) for nu in ratios)]
+    return [*(("map", eta, size) for eta in viscosities), *(("curves", nu, count) for nu in ratios)]
 
 
 def threshold_row(nu: float) -> Row:
@@ -230,7 +230,7 @@ STUDIES = [
     Study("regimes-opening", lambda quick: [(nu,) for nu in TABLED], opening_table_row),
     Study(
         "regimes-viscosity",
-        lambda quick: [(nu, one) for nu in (0.0, 1 / 3, 0.45) for one in VISCOSITIES],
+        lambda quick: [(nu, viscosity) for nu in (0.0, 1 / 3, 0.45) for viscosity in VISCOSITIES],
         viscosity_row,
     ),
     Study(

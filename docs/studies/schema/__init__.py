@@ -40,17 +40,17 @@ def schema() -> dict[str, Any]:
 
 def _command(name: str, keys: Mapping[str, Key]) -> Schema:
     whole = {**ENVELOPE, **keys}
-    described = {key: {"description": one.meaning, **one.schema} for key, one in whole.items()}
+    described = {key: {"description": item.meaning, **item.schema} for key, item in whole.items()}
     described["command"] = {"const": name}
-    return object_of([key for key, one in whole.items() if not one.always], **described)
+    return object_of([key for key, values in whole.items() if not values.always], **described)
 
 
 def key_rows() -> list[Row]:
     """Return all keys, beginning with those that all commands share."""
     return [
-        {"command": name, "key": key, "meaning": one.meaning}
+        {"command": name, "key": key, "meaning": entry.meaning}
         for name, ways in (("all", (ENVELOPE,)), *DOCUMENTS.items())
-        for key, one in {key: one for keys in ways for key, one in keys.items()}.items()
+        for key, entry in {key: entry for keys in ways for key, entry in keys.items()}.items()
     ]
 
 

@@ -59,7 +59,7 @@ def or_null(schema: Schema) -> Schema:
 def row_of(kind: type, **more: Schema) -> Schema:
     """Return the schema of a dataclass by the annotations of its fields."""
     hints = typing.get_type_hints(kind)
-    described = {one.name: typed_as(hints[one.name]) for one in fields(kind)}
+    described = {field.name: typed_as(hints[field.name]) for field in fields(kind)}
     return object_of(**described, **more)
 
 
@@ -70,7 +70,7 @@ def typed_as(hint: Any) -> Schema:
         return plain[hint]
     inner = typing.get_args(hint)
     if isinstance(hint, types.UnionType):
-        (kind,) = (one for one in inner if one is not types.NoneType)
+        (kind,) = (entry for entry in inner if entry is not types.NoneType)
         return or_null(typed_as(kind))
     return (
         list_of(typed_as(inner[0]))

@@ -89,8 +89,8 @@ def _rows(
     """Return a row for each measured value."""
     names = ("study", "case", "method", "parameter", "quantity", "value", "status")
     return [
-        dict(zip(names, (study, case, method, parameter, *one, status), strict=True))
-        for one in values.items()
+        dict(zip(names, (study, case, method, parameter, *value, status), strict=True))
+        for value in values.items()
     ]
 
 
@@ -238,8 +238,8 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[Row]:
             continue
         edges = [
             abs(mine - theirs)
-            for one, other in zip(solution.zones, reference.zones, strict=True)
-            for mine, theirs in ((one.inner, other.inner), (one.outer, other.outer))
+            for zone, other in zip(solution.zones, reference.zones, strict=True)
+            for mine, theirs in ((zone.inner, other.inner), (zone.outer, other.outer))
             if mine != theirs
         ]
         other_rate = np.append(solution.slip_rate(speeds, 1.0), solution.edge_slip_rate)

@@ -113,7 +113,7 @@ def _clear(solution: Solution, random: Generator) -> Array:
         [random.uniform(0, 1.1 * fastest, _POINTS), fastest * 10 ** random.uniform(-6, -1, 10)]
     )
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
-    edges = [edge for one in parts for edge in (one.inner, one.outer) if least < edge < math.inf]
+    edges = [edge for part in parts for edge in (part.inner, part.outer) if least < edge < math.inf]
     marks = np.array([*edges, material.rayleigh_speed])
     return x[np.abs(x[:, None] - marks).min(axis=1) > _CLEAR * speed]
 
@@ -132,8 +132,8 @@ def _over(change: Array, scale: Array | float, bound: float) -> float:
 
 def _both(rough: Solution, fine: Solution, name: str, *at: Array) -> tuple[Array, Array]:
     """The change of a field at unit time from one answer to the other, and its better values."""
-    one, other = (getattr(answer, name)(*at, 1.0) for answer in (rough, fine))
-    return one - other, other
+    first, other = (getattr(answer, name)(*at, 1.0) for answer in (rough, fine))
+    return first - other, other
 
 
 def on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row:
@@ -149,7 +149,7 @@ def on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row:
     load, base = _largest_load(scene), scene.superposition.in_place.pressure
     rounding = _ROUNDING * max(base * max(scene.coefficient, 1.0), load) / bound
     # a zone that slips less than the estimate may be missing
-    peaks = (_peak(fine, one.inner, one.outer) for one in fine.zones)
+    peaks = (_peak(fine, zone.inner, zone.outer) for zone in fine.zones)
     fastest_slip = max(np.abs(rates).max(initial=0.0), *peaks, 0)
     # close to a stuck contact edge a large change may take off a large base
     near = np.abs(shears) + np.abs(shears - scene.base.shear) + load + rounding
@@ -171,7 +171,7 @@ def on_the_interface(rough: Solution, fine: Solution, random: Generator) -> Row:
 
 def _totals(rough: Solution, fine: Solution) -> Row:
     bound = _bound(rough, fine)
-    power, better = (float(one.frictional_power(1.0)) for one in (rough, fine))
+    power, better = (float(answer.frictional_power(1.0)) for answer in (rough, fine))
     found = {"power": _over(np.array(power - better), abs(better), bound)}
     pairs = zip(rough.stress_intensity(1.0), fine.stress_intensity(1.0), strict=True)
     found["intensity"] = max(_over(np.asarray(a - b), np.abs(b), bound) for a, b in pairs)
@@ -211,16 +211,16 @@ def _derivatives(rough: Solution, fine: Solution, random: Generator) -> Row:
     names = [name for name in _TRACTIONS if _value(scene, name)]
     pairs = {name: (rough.derivative(name), fine.derivative(name)) for name in names}
     worst, sums = 0.0, {"slip_rate": (0.0, 0.0), "slip": (0.0, 0.0)}
-    for name, (one, other) in pairs.items():
+    for name, (pair, other) in pairs.items():
         value = abs(_value(scene, name))
         for field in sums:
-            own, better = getattr(one, field)(x, 1.0), getattr(other, field)(x, 1.0)
+            own, better = getattr(pair, field)(x, 1.0), getattr(other, field)(x, 1.0)
             exact = np.abs(getattr(fine, field)(x, 1.0)).max(initial=0.0)
             scale = max(np.abs(better).max(initial=0.0), exact / value)
-            bound = one.error_estimate + other.error_estimate
+            bound = pair.error_estimate + other.error_estimate
             worst = max(worst, _over(own - better, scale, bound))
             total, allowed = sums[field]
-            allowed += one.error_estimate * value * scale
+            allowed += pair.error_estimate * value * scale
             sums[field] = total + _value(scene, name) * own, allowed
     left = [
         _over(total - getattr(rough, field)(x, 1.0), allowed, 1.0)
@@ -229,19 +229,19 @@ def _derivatives(rough: Solution, fine: Solution, random: Generator) -> Row:
     return {"derivatives": worst, "homogeneity": max(left)}
 
 
-def error_between(one: Solution, other: Solution) -> float:
+def error_between(first: Solution, other: Solution) -> float:
     """Largest shift of a zone edge over c_t, or relative L1 difference of slip rates if larger.
 
     Inf if zones differ that slip at more than the estimate of the first, over the largest rate. A
     shift past what slips less than that is not counted: `Solution.error_estimate` says so.
     """
-    speed = one.scene.material.shear_speed
+    speed = first.scene.material.shear_speed
     edges = []
     # what is open slips too
-    seen = one.error_estimate * _peak(other, 0.0, one.scene.material.longitudinal_speed)
-    for solution in (one, other):
+    seen = first.error_estimate * _peak(other, 0.0, first.scene.material.longitudinal_speed)
+    for solution in (first, other):
         peaks = np.array([_peak(solution, zone.inner, zone.outer) for zone in solution.zones])
-        certain = peaks > one.error_estimate * peaks.max(initial=0.0)
+        certain = peaks > first.error_estimate * peaks.max(initial=0.0)
         zones = [zone for zone, kept in zip(solution.zones, certain, strict=True) if kept]
         pairs = [(zone.inner, zone.outer) for zone in zones]
         edges.append(np.array(pairs).ravel() / speed)
@@ -250,17 +250,17 @@ def error_between(one: Solution, other: Solution) -> float:
     finite = np.isfinite(edges[1])
     between = np.linspace(edges[0][finite], edges[1][finite], 2 + _BETWEEN, axis=-1)[:, 1:-1]
     between = speed * np.maximum(between, _AT_EDGE)
-    beside = np.abs([solution.slip_rate(between, 1.0) for solution in (one, other)])
+    beside = np.abs([solution.slip_rate(between, 1.0) for solution in (first, other)])
     counts = (beside > seen).any(axis=(0, -1))
     shift = float(np.abs(edges[0][finite] - edges[1][finite])[counts].max(initial=0.0))
     # between edges and fronts, closer and closer towards both ends
     share = (1 - np.cos(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)) / 2
     weight = np.sin(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)
-    ahead = one.scene.material.longitudinal_speed / speed
-    ends = np.unique([*edges[1][finite], 0.0, one.scene.material.rayleigh_speed / speed, ahead])
+    ahead = first.scene.material.longitudinal_speed / speed
+    ends = np.unique([*edges[1][finite], 0.0, first.scene.material.rayleigh_speed / speed, ahead])
     width = np.diff(ends)[:, None]
     xi = speed * (ends[:-1, None] + width * share)
-    rates = [solution.slip_rate(xi, 1.0) for solution in (one, other)]
+    rates = [solution.slip_rate(xi, 1.0) for solution in (first, other)]
     size, change = (np.sum(width * weight * np.abs(v)) for v in (rates[1], rates[0] - rates[1]))
     return max(shift, float(change / size) if size else 0.0)
 
@@ -281,7 +281,7 @@ def broken_law(solution: Solution, random: Generator) -> float:
     strength, closed = scene.coefficient * pressure, pressure > 0
     held, load = scene.superposition
     loads = (held.shear, load.shear, scene.coefficient * load.pressure)
-    largest = max(float(strength.max()), *(abs(one) for one in loads))
+    largest = max(float(strength.max()), *(abs(load) for load in loads))
     fastest = float(np.abs(rate).max()) or 1.0
     excess = float((np.abs(shear) - strength).max()) / largest
     return max(excess, float((-rate * np.sign(shear) * closed).max()) / fastest, 0.0)
@@ -296,7 +296,7 @@ def summary(rows: list[Row]) -> list[Row]:
         "answered": len(answered),
         "refused with a sentence": outcomes.count("refused"),
         "unresolved": outcomes.count("unresolved"),
-        "raised anything else": sum(one.startswith("raised") for one in outcomes),
+        "raised anything else": sum(outcome.startswith("raised") for outcome in outcomes),
         "of a law that depends on slip rate": sum(row["law"] != "constant" for row in answered),
         "in antiplane shear": sum(row["mode"] == "antiplane" for row in answered),
         "where the contact opens": sum(row["opens"] for row in answered),

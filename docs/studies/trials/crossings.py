@@ -67,14 +67,14 @@ def solved(scene: Any, **settings: Any) -> Any:
     return answer
 
 
-def between(one: Any, other: Any, random: Generator) -> float:
+def between(first: Any, other: Any, random: Generator) -> float:
     """The largest difference of fields on the interface over what both answers allow."""
-    return max(on_the_interface(one, other, random).values())
+    return max(on_the_interface(first, other, random).values())
 
 
-def differs(one: Any, other: Any, allowed: float) -> float:
+def differs(first: Any, other: Any, allowed: float) -> float:
     """The largest difference of five fields over their sizes and what is allowed."""
-    pairs = ([getattr(answer, name)(_X, _T) for answer in (one, other)] for name in FIELDS)
+    pairs = ([getattr(answer, name)(_X, _T) for answer in (first, other)] for name in FIELDS)
     return max(over(np.abs(b - a), allowed * np.abs(a).max()) for a, b in pairs)
 
 
@@ -82,7 +82,7 @@ def _turned(scene: sf.Scene, **changes: Any) -> sf.Scene:
     """The scene whose shear acts the other way, with other changes."""
     if not isinstance(scene.load, sf.Tractions):
         raise Unresolved("waves are turned with their sides")
-    base, load = (sf.Tractions(one.pressure, -one.shear) for one in (scene.base, scene.load))
+    base, load = (sf.Tractions(pair.pressure, -pair.shear) for pair in (scene.base, scene.load))
     return replace(scene, base=base, load=load, **changes)
 
 
@@ -127,8 +127,8 @@ def swept(random: Generator) -> float:
     found = np.flatnonzero(~answers.from_scratch & (np.array(answers.status) == "converged"))
     if not len(found):
         raise Unresolved("all solved one by one")
-    one = answers[int(random.choice(found))]
-    return between(one, solved(one.scene), random)
+    answer = answers[int(random.choice(found))]
+    return between(answer, solved(answer.scene), random)
 
 
 def differentiated(random: Generator) -> float:
@@ -150,7 +150,7 @@ def differentiated(random: Generator) -> float:
         return found
 
     marks = [solid.rayleigh_speed, solid.shear_speed, solid.longitudinal_speed]
-    marks += [edge for one in (*answer.zones, *answer.openings) for edge in (one.inner, one.outer)]
+    marks += [edge for cut in (*answer.zones, *answer.openings) for edge in (cut.inner, cut.outer)]
     x = random.uniform(0.05, 1.1 * solid.longitudinal_speed, 60)
     x = x[np.abs(x[:, None] - marks).min(axis=1) > 0.05]
     sides, worst = [(h, moved(h), moved(-h)) for h in (step, step / 2)], 0.0
@@ -172,11 +172,11 @@ def rescaled(random: Generator) -> float:
     scene = random_scene(random)
     if not isinstance(scene.load, sf.Tractions):
         raise Unresolved("waves and moving loads have speeds of their own")
-    stiff, dense, stress = (float(one) for one in 10 ** random.uniform((3, -3, -6), (11, 4, 9)))
+    stiff, dense, stress = (float(size) for size in 10 ** random.uniform((3, -3, -6), (11, 4, 9)))
     old, speed = scene.material, math.sqrt(stiff / dense)
     solid = sf.Material(stiff * old.shear_modulus, dense * old.density, old.poisson_ratio)
     parts = (scene.base, scene.load)
-    base, load = (sf.Tractions(stress * one.pressure, stress * one.shear) for one in parts)
+    base, load = (sf.Tractions(stress * part.pressure, stress * part.shear) for part in parts)
     law, slip = scene.law, stress * speed / stiff
     if isinstance(law, sf.RateWeakening):
         law = replace(law, rate=law.rate * slip)
@@ -184,8 +184,8 @@ def rescaled(random: Generator) -> float:
         law = replace(law, viscosity=law.viscosity * stiff / speed)
     given = replace(scene, material=solid, friction=law, base=base, load=load, units="SI")
     factors = dict.fromkeys(FIELDS, stress) | dict.fromkeys(("slip", "slip_rate", "gap"), slip)
-    one, other = (solved(problem, method="self-similar") for problem in (given, scene))
-    return between(Seen(one, scene, factors, speed), other, random)
+    ours, other = (solved(problem, method="self-similar") for problem in (given, scene))
+    return between(Seen(ours, scene, factors, speed), other, random)
 
 
 def mirrored(random: Generator) -> float:
@@ -209,10 +209,11 @@ def filed(random: Generator) -> float:
         path, saved = Path(folder, "scene.toml"), Path(folder, "answer.h5")
         path.write_text(scene_text(scene), encoding="utf-8")
         answer.save(saved)
-        again = [solved(sf.find(path), **settings), sf.load(saved)]
-        again.append(pickle.loads(pickle.dumps(answer)))
-    same = all(one.scene == scene and differs(answer, one, 0.0) == 0 for one in again)
-    return 0.0 if same else math.inf
+        again, found = [sf.load(saved), pickle.loads(pickle.dumps(answer))], sf.find(path)
+        again.append(solved(found, **settings))
+    # a march of a contact that opens has a period, as a scene along a line
+    same = all(point.scene == answer.scene and differs(answer, point, 0.0) == 0 for point in again)
+    return 0.0 if same and found == scene else math.inf
 
 
 def _line(random: Generator) -> sf.Scene:
@@ -247,11 +248,11 @@ def halved(random: Generator) -> float:
     fine = solved(scene, nodes=512, **settings)
     on, worst = rough.interface.touching, 0.0
     for name in ("slip", "slip_rate", "shear_traction"):
-        one = getattr(rough.interface, name)[:, on]
+        values = getattr(rough.interface, name)[:, on]
         other = fine.at(getattr(fine.interface, name), rough.interface.x[on])
         size = np.abs(other - scene.base.shear * (name == "shear_traction")).sum()
         allowed = size * (rough.error_estimates[name] + fine.error_estimates[name])
-        worst = max(worst, over(np.abs(one - other).sum(), allowed + _ROUNDING * on.sum()))
+        worst = max(worst, over(np.abs(values - other).sum(), allowed + _ROUNDING * on.sum()))
     return worst
 
 
@@ -303,7 +304,7 @@ def without_slot(random: Generator) -> float:
     line = replace(scene, load=loads, period=wide)
     run = solved(line, end_time=END, nodes=1024, times=list(times))
     x = run.interface.x[run.interface.touching & (np.abs(run.interface.x) < wide / 4)]
-    right, found = (one.slip(x, times[:, None]) for one in (exact, run))
+    right, found = (answer.slip(x, times[:, None]) for answer in (exact, run))
     allowed = (run.error_estimates["slip"] + exact.error_estimate) * np.abs(right).sum()
     return over(np.abs(found - right).sum(), allowed)
 
@@ -336,7 +337,7 @@ CLAIMED = ("marched", "halved")
 
 def crossed(name: str, index: int, seed: int = SEED) -> Row:
     """Draw problems until one is answered twice, and hold both answers against one another."""
-    order, check = next(one for one in enumerate(CHECKS) if one[1].__name__ == name)
+    order, check = next(check for check in enumerate(CHECKS) if check[1].__name__ == name)
     random, began = np.random.default_rng([seed, order, index]), process_time()
     row: Row = {"check": name, "seeds": f"{seed}, {order}, 0", "index": index}
     row |= {"refused": 0, "unresolved": 0, "raised": ""}
@@ -381,7 +382,7 @@ def claims(rows: list[Row]) -> list[Row]:
         name: np.array([row["ratio"] for row in own]) for (name,), own in grouped(rows, "check")
     }
     medians = [f"{1 / np.median(ratios[ratios > 0]):.2g}" for ratios in found.values()]
-    return [row | {"claim": one} for row, one in zip(summary(rows), medians, strict=True)]
+    return [row | {"claim": median} for row, median in zip(summary(rows), medians, strict=True)]
 
 
 def points(quick: bool, claimed: bool = False) -> list[tuple[str, int]]:

@@ -225,8 +225,8 @@ def _random_si(random: np.random.Generator) -> sf.Scene:
         float(random.choice([0.25, 0.33, 0.45, 0.495])),
     )
     base, load = (
-        sf.Tractions(pascal * one.pressure, pascal * one.shear)
-        for one in (scene.base, scene.superposition.taken_off)
+        sf.Tractions(pascal * traction.pressure, pascal * traction.shear)
+        for traction in (scene.base, scene.superposition.taken_off)
     )
     return sf.Scene(solid, scene.coefficient, base, load, load_on=scene.load_on, units="SI")
 

@@ -204,7 +204,7 @@ def wrong_rows(kind: str, index: int) -> list[Row]:
         judgement, effect = _caught(case, [broken, *coarser]), math.inf
         if judgement is not None:
             effect = _effect(case.judged([flawed or exact, *coarser]).rows, bars)
-            laws = [one.over_bar for one in judgement.rows if one.kind == "law"]
+            laws = [line.over_bar for line in judgement.rows if line.kind == "law"]
             effect = max(effect, *laws)
         row(fault, "simulation", effect, judgement)
     return rows
@@ -252,7 +252,7 @@ def flawless(truth: Judgement, case: Stored) -> Any:
     if not case.is_scene:
         names = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
         known = {n: prediction.at(getattr(prediction.interface, n), run.x) for n in names}
-        return replace(run, **{name: np.nan_to_num(one) for name, one in known.items()})
+        return replace(run, **{name: np.nan_to_num(now) for name, now in known.items()})
     path, work = truth.case.worn_at_nodes
     run = replace(run, interface=truth.case.at_nodes, final_path=path, final_work_density=work)
     predict = getattr(prediction, "slot_velocity", None)

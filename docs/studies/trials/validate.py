@@ -68,19 +68,19 @@ def right_rows(use: str, kind: str, index: int, code: str) -> list[Row]:
     try:
         data = [CODES[code](scene, cells) for cells in CELLS]
         found = [
-            (cells, validate(part, scene, spacing=[1 / one for one in cells]))
+            (cells, validate(part, scene, spacing=[1 / cell for cell in cells]))
             for part, cells in ((data[:1], CELLS[:1]), (data[1:], CELLS[1:]), (data, CELLS))
         ]
     except (sf.SceneError, sf.ComputationError):
         return []
     rows: list[Row] = []
-    for cells, one in found:
+    for cells, answer in found:
         row: Row = {"kind": kind, "use": use, "code": code, "cells": " and ".join(map(str, cells))}
-        row |= {"runs": 1, "rows": len(one.rows)}
-        row |= {"differs": one.counts[DIFFERS], "unresolved": one.counts[UNRESOLVED]}
-        row["most"] = max((line.over_bar for line in one.rows if not line.obstacle), default=0.0)
-        row["rate_bar"] = _bar_of(one, "slip rate all stations")
-        rows.append(row | {"slip_bar": _bar_of(one, "slip all stations")})
+        row |= {"runs": 1, "rows": len(answer.rows)}
+        row |= {"differs": answer.counts[DIFFERS], "unresolved": answer.counts[UNRESOLVED]}
+        row["most"] = max((line.over_bar for line in answer.rows if not line.obstacle), default=0.0)
+        row["rate_bar"] = _bar_of(answer, "slip rate all stations")
+        rows.append(row | {"slip_bar": _bar_of(answer, "slip all stations")})
     return rows
 
 

@@ -194,11 +194,11 @@ def _scaled(run: Simulation, size: float) -> Simulation:
 def _later(lag: float, part: Any, *names: str) -> dict[str, Any]:
     """Fields of a part that are late by a lag [time], to first order."""
     fields = {name: getattr(part, name) for name in names}
-    return _apart({n: one - lag * np.gradient(one, part.t, axis=0) for n, one in fields.items()})
+    return _apart({n: item - lag * np.gradient(item, part.t, axis=0) for n, item in fields.items()})
 
 
 def _apart(fields: dict[str, Any]) -> dict[str, Any]:
-    return {n: np.maximum(one, 0.0) if n == "gap" else one for n, one in fields.items()}
+    return {n: np.maximum(field, 0.0) if n == "gap" else field for n, field in fields.items()}
 
 
 def _late(run: Simulation, size: float) -> Simulation:

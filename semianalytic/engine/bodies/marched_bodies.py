@@ -309,8 +309,8 @@ class MarchedBodies:
             arrival = (end + np.hypot(x - end, y)) / self.scene.fastest_speed
             if np.any(t > arrival * (1 + ROUNDING)):
                 raise SceneError(
-                    f"this answer knows the contact to x = {end:.6g} only, and waves from beyond "
-                    "have come; ask for earlier times, or march farther (docs/limits.md)."
+                    f"this answer covers the contact to x = {end:.6g} only, and waves from beyond "
+                    "have arrived; ask for earlier times, or march farther (docs/limits.md)."
                 )
             if self.scene.front_slowness and np.any(x < self.within[0]):
                 raise SceneError(

@@ -109,7 +109,7 @@ def check_touching(scene: Scene, touching: NDArray[np.bool_]) -> None:
     """Raise SceneError unless a node lies on the contact."""
     if not touching.any():
         least = in_fours(nodes_for_contact(scene))
-        raise SceneError(f"run: no node lies on the contact; use {least} nodes or more.")
+        raise SceneError(f"march: no node lies on the contact; use {least} nodes or more.")
 
 
 def times_of_loads(end_time: float) -> Array:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, pairwise
-from typing import NamedTuple
+from itertools import islice
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,20 @@ from semianalytic.engine.stepping.blocks import (
     Reached,
 )
 from semianalytic.engine.stepping.state import State
-from semianalytic.engine.stepping.steps import Stepper
 
 Array = NDArray[np.float64]
 
 CUT = 1e-9
 """Steps that almost reach a stop, by so much of their length, are stretched to it: no sliver is
 left."""
+
+
+Part = slice | NDArray[np.intp]
+"""Some levels, by their places."""
+_STEPPED = "slip_rate", "shear_traction", "slip", "state", "work"
+"""Fields of `EqualSteps.levels`."""
+_MEMBERS = {"slip_rate": "rate", "shear_traction": "traction", "felt_pressure": "felt"}
+"""Names of fields in `State`, where they are others."""
 
 
 class Span(NamedTuple):
@@ -52,14 +59,35 @@ class Span(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """Steps of a march: times of k levels and the one before, slip rates and slip, work of friction
-    on the contact, and states by place."""
+    """Steps of a march: times of k levels and the one before, slip rates of all nodes, slip, and
+    work of friction on the contact; or the one level just after loads have jumped.
+
+    `show` returns a field of some of these levels by its name in `InterfaceHistory`, slip rates at
+    all nodes, states at those of the contact; `look` returns the state at a level, by its place.
+    """
 
     times: Sequence[float]
     rates: Array
     slips: Array
     works: Array
+    show: Callable[[str, Part], Array]
     look: Callable[[int], State]
+
+
+def _of(levels: Sequence[Any], part: Part) -> Sequence[Any]:
+    """Return some of what there is at levels."""
+    return levels[part] if isinstance(part, slice) else [levels[at] for at in part]
+
+
+def taken_of(states: Sequence[State]) -> Taken:
+    """Return states, one after the other, as steps."""
+
+    def show(name: str, part: Part) -> Array:
+        return np.array([getattr(now, _MEMBERS.get(name, name)) for now in _of(states, part)])
+
+    times, every = [state.time for state in states], slice(None)
+    rates, slips, works = (show(name, every) for name in ("slip_rate", "slip", "work"))
+    return Taken(times, rates, slips, works, show, states.__getitem__)
 
 
 def through(
@@ -120,46 +148,59 @@ def _levels(line: ClosedLine, time: float, span: Span) -> Iterator[Level]:
 
 
 def stepped(
-    stepper: Stepper,
+    line: Any,
     now: State,
-    stops: Sequence[float],
+    spans: Sequence[Span],
     asked: Callable[[float], bool],
     keep: Callable[[State], None],
+    block: int | None = None,
 ) -> Iterator[Taken]:
-    """Yield the steps of a run through times to stop at, with `asked` and `keep` as of `through`.
+    """Yield the steps of a march through spans of time, and the levels after jumps of loads.
 
     Parameters
     ----------
-    stepper : Stepper
-        The interface on its grid.
+    line : Stepper or SlotLine
+        The line on its grid.
     now : State
         Where to start from.
-    stops : sequence of float
-        Times of jumps to come, and the end [time].
+    spans : sequence of Span
+        Spans to come.
+    asked, keep
+        As of `through`; `keep` takes the state, where lines have last steps that are cut.
+    block : int, optional
+        Steps of a block.
     """
-    if stepper.ladder.climbs:
-        yield from _one_by_one(stepper, now, stops, asked, keep)
+    if line.climbs:
+        yield from _one_by_one(line, now, [span.stop for span in spans], asked, keep)
         return
-    fields = now.rate, now.traction, now.slip, now.state, now.work[stepper.touching]
-    blocks = EqualSteps(stepper, Reached(now.time, *fields))
-    blocks.recall(stepper.pressure)
+    blocks = EqualSteps(line, reached_at(now), block)
+    blocks.recall(line.after(now.time, spans[0].step).pressure)
 
     def look(level: int) -> State:
         """Return the state at a level of the last block."""
-        at, work = blocks.at(level), np.zeros(len(now.rate))
-        work[stepper.touching] = at.work
-        return replace(now, **vars(at) | {"work": work}, rung=0, pace=0.0)
+        pressed = {} if "pressure" in line.steady else {"pressure": blocks.pressures[level]}
+        return replace(now, **vars(blocks.at(level)) | pressed, rung=0, pace=0.0)
 
-    begin = max((at for at in stepper.jumps if at <= now.time), default=0.0)
-    spans = [Span(*span, stepper.shortest) for span in pairwise([max(begin, 0.0), *stops])]
-    for _ in through(stepper, blocks, spans, asked, lambda: keep(look(len(blocks.times) - 1))):
-        if len(blocks.times) > 1:
-            rates, _, slips, _, works = blocks.levels
-            yield Taken(blocks.times, rates, slips, works, look)
+    def show(name: str, part: Part) -> Array:
+        if name == "pressure":
+            return np.array(_of(blocks.pressures, part))
+        return blocks.levels[_STEPPED.index(name)][part]
+
+    def kept() -> None:
+        keep(look(len(blocks.times) - 1))
+
+    for _ in through(line, blocks, spans, asked, kept if line.is_cut else None):
+        rates, _, slips, _, works = blocks.levels
+        yield Taken(blocks.times, rates, slips, works, show, look)
+
+
+def reached_at(now: State) -> Reached:
+    """Return what blocks of steps start from at a state."""
+    return Reached(now.time, now.rate, now.traction, now.slip, now.state, now.work)
 
 
 def _one_by_one(
-    stepper: Stepper,
+    stepper: Any,
     now: State,
     stops: Sequence[float],
     asked: Callable[[float], bool],
@@ -169,20 +210,13 @@ def _one_by_one(
     for stop in stops:
         if stop is not stops[0]:
             now = stepper.jump(now)
+            yield taken_of([now])
         while now.time < stop:
             if stop == stops[-1] and stop - now.time <= stepper.ladder.length(now.rung + 1):
                 keep(now)
             both = [now, stepper.advance(now, stop)]
             now = both[1]
             stopped = asked(now.time)
-            yield Taken([state.time for state in both], *levels_of(both, stepper), both.__getitem__)
+            yield taken_of(both)
             if stopped:
                 return
-
-
-def levels_of(states: Sequence[State], stepper: Stepper) -> tuple[Array, Array, Array]:
-    """Return slip rate, slip and work of friction on the contact in states, (k, ...) each."""
-    on = stepper.touching
-    rows = zip(*((now.rate, now.slip, now.work[on]) for now in states), strict=True)
-    rates, slips, works = map(np.array, rows)
-    return rates, slips, works

@@ -69,6 +69,13 @@ class Reached:
     work: Array
 
 
+def block_of(size: int) -> int:
+    """Return how many steps of so many nodes make a block, whose fields stay in the cache."""
+    # With half a march takes 1.1 times as long.  An even number: a march on half the nodes takes
+    # half as many steps.
+    return 2 * max(1, min(BLOCK_STEPS, (1 << 15) // size) // 2)
+
+
 class ClosedLine(Protocol):
     """A line whose contact stays closed, under laws that stick, as `EqualSteps` steps it.
 
@@ -141,7 +148,7 @@ class EqualSteps:
     times : list of float
         Times of the last block and the one before it, (k + 1,) [time].
     pressures : list of arrays
-        Pressures of its levels, k of (contact,) [stress].
+        Pressures of these, (contact,) each [stress].
     """
 
     def __init__(self, line: ClosedLine, reached: Reached, block: int | None = None) -> None:
@@ -150,10 +157,8 @@ class EqualSteps:
         self._speed, self._sweeps, self._damping = line.speed, line.sweeps, line.damping
         self._means_last, self._plate = line.means_last, line.plate_rate
         self._follows = self._law.follows_state
-        # Slip rates whose fields stay in the cache: with half a march takes 1.1 times as long.
         size = len(reached.rate)
-        # An even number: a march on half the nodes takes half as many steps.
-        self.block = block or 2 * max(1, min(BLOCK_STEPS, (1 << 15) // size) // 2)
+        self.block = block or block_of(size)
         # the levels of a block, of which the first is the one before it
         values = reached.rate, reached.traction, reached.slip, reached.state, reached.work
         self._fields = [np.empty((self.block + 1, len(value))) for value in values]
@@ -191,6 +196,7 @@ class EqualSteps:
     def recall(self, pressure: Array) -> None:
         """Go on from a level of an earlier march, with its pressure (contact,)."""
         self._turn_over()
+        self.pressures = [pressure]
         rate, traction = self._rates[0], np.empty(len(self._rates[0]))
         traction[self._kept] = self._tractions[0]
         on, state = self._balance.on, self._states[0]
@@ -214,7 +220,7 @@ class EqualSteps:
         self._tractions[0] = (self._stopping - self._impedance * rate)[self._kept]
         self._powers[0] = self._power(rate[balance.on], state, level.pressure)
         self._amplitudes(rate, self._transform)
-        self.times = [level.time]
+        self.times, self.pressures = [level.time], [level.pressure]
 
     def advance(self, levels: Iterable[Level], stopping: Callable[[float], bool]) -> bool:
         """Take a block of steps; return whether it was stopped.
@@ -250,7 +256,7 @@ class EqualSteps:
         if self._last:
             for field in (*self._fields, self._powers):
                 field[0] = field[self._last]
-            self._last, self.times, self.pressures = 0, [self.time], []
+            self._last, self.times, self.pressures = 0, [self.time], self.pressures[-1:]
 
     def _amplitudes(self, rate: Array, out: Array) -> Array:
         return self._grid.amplitudes(rate - self._plate if self._plate else rate, out)
@@ -267,15 +273,14 @@ class EqualSteps:
         if level.step != self._step:
             self._step = level.step
             feedback = self._memory.table(self._speed * level.step).feedback[0]
-            check_feedback("march", feedback)
+            check_feedback(feedback)
             feedback = damped(feedback, self._grid.wavenumbers, self._damping)
             self._feedback = -self._impedance * feedback
         law, balance, transform, last = self._law, self._balance, self._transform, self._last
         rate, state, on = self._rates[last + 1], self._states[last], balance.on
         past = self._memory.advance(transform, self._speed * level.step)[0]
         past *= -self._impedance
-        earlier = self.pressures[-1] if self.pressures else level.pressure
-        change = level.step, earlier, level.pressure
+        change = level.step, self.pressures[-1], level.pressure
         if self._follows:
             old = now = np.abs(self._rates[last][on])
         balance.turn()
@@ -295,7 +300,8 @@ class EqualSteps:
         # the first amplitude is the sum over all nodes, which is finite if all values are
         if not math.isfinite(transform[0, 0]):
             raise ComputationError(
-                f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
+                f"the march has values that are not finite at t = {level.time:.4g}; "
+                "lower `step_ratio`."
             )
         if self._follows:
             state = law.evolved_under(self._states[last], (old + now) / 2, *change)

@@ -53,7 +53,7 @@ class Ladder:
         """Raise SceneError if the longest step that was asked for is below the shortest one."""
         if self._longest < self._shortest:
             raise SceneError(
-                f"run: `longest` must be {self._shortest:.4g} or more on this grid, got "
+                f"march: `longest` must be {self._shortest:.4g} or more on this grid, got "
                 f"{self._longest:.4g}; lower `step_ratio` instead."
             )
 

@@ -97,6 +97,11 @@ class Grid:
         """Node distance h [length]."""
         return self.length / self.nodes
 
+    @property
+    def shown(self) -> slice:
+        """The slice of all nodes that are recorded: all of them."""
+        return slice(None)
+
     @cached_property
     def x(self) -> Array:
         """Positions of nodes, (n,) [length]."""

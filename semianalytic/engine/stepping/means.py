@@ -76,7 +76,7 @@ def area_means(
     return means
 
 
-def check_feedback(what: str, feedback: Array) -> None:
+def check_feedback(feedback: Array) -> None:
     """Raise SceneError if the iteration of a step cannot converge under the memory's feedback.
 
     The iteration contracts by the feedback (size,) of the shortest wave, the largest.  h(0) = 0, so
@@ -85,7 +85,7 @@ def check_feedback(what: str, feedback: Array) -> None:
     shortest = float(feedback[-1])
     if shortest >= LARGEST_FEEDBACK:
         raise SceneError(
-            f"{what}: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
+            f"march: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
             f"by {math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
         )
 

@@ -157,7 +157,7 @@ def _follows(history: LoadHistory, step: float, latest: float) -> bool:
 def longest_following(history: LoadHistory, step: float, latest: float) -> float:
     """Return the longest step h / (2 c_t), up to `step`, that follows a history until `latest`.
 
-    It is found to 0.1 %, and 0 if the history turns back within no time at all.
+    It is found to 0.1 %, and 0 if the history reverses instantaneously.
     """
     if _follows(history, step, latest):
         return step

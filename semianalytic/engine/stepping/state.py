@@ -1,4 +1,4 @@
-"""The state of an interface at one time, extremes until then, and what a march goes on from."""
+"""The state of an interface at one time, and extremes until then."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.unilateral import Faces
-from semianalytic.memory.line_memory import Past
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
 
 Array = NDArray[np.float64]
@@ -18,6 +17,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class State(Faces):
     """The state of an interface at one time, from which the next step starts; arrays are (n,).
+
+    Beside a slot all but the slip rate are those of its contact.
 
     Attributes
     ----------
@@ -30,7 +31,7 @@ class State(Faces):
     felt : array
         Pressure that friction follows there, (contact,) [stress].
     work : array
-        Work of friction so far [stress length].
+        Work of friction there so far, (contact,) [stress length].
     rung : int
         Rung of the ladder of the last step.
     pace : float
@@ -56,6 +57,8 @@ class Extremes:
     ----------
     forward, reverse : (n,) arrays
         Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
+    path : (n,) array
+        Accumulated |slip| [length].
     onset : (n,) array
         Time at which slip began [time], inf where it did not: |V| passed the threshold,
         interpolated linearly between the two levels around that time.
@@ -65,72 +68,42 @@ class Extremes:
 
     forward: Array
     reverse: Array
+    path: Array
     onset: Array
     slipping: float | None = None
 
     @classmethod
     def none(cls, nodes: int, slipping: float | None = None) -> Extremes:
         """Return those of so many nodes at rest."""
-        return cls(np.zeros(nodes), np.zeros(nodes), np.full(nodes, np.inf), slipping)
+        forward, reverse, path = np.zeros((3, nodes))
+        return cls(forward, reverse, path, np.full(nodes, np.inf), slipping)
 
     @property
     def slip_rate(self) -> Array:
         """Largest |slip rate| (n,) [length / time]."""
         return np.maximum(self.forward, np.abs(self.reverse))
 
-    def with_levels(self, times: Sequence[float], rates: Array) -> Extremes:
+    def with_levels(
+        self, times: Sequence[float], rates: Array, speeds: Array, path: Array
+    ) -> Extremes:
         """Return the extremes with k more levels included.
 
         Parameters
         ----------
         times : (k + 1,) sequence
             Times of the levels and of the one before them [time].
-        rates : (k + 1, n) array
-            Slip rates at these [length / time].
+        rates, speeds : (k + 1, n) arrays
+            Slip rates at these, and their sizes [length / time].
+        path : (n,) array
+            Accumulated |slip| with these levels [length].
         """
         forward = np.maximum(self.forward, rates[1:].max(axis=0))
         reverse = np.minimum(self.reverse, rates[1:].min(axis=0))
-        speeds, threshold = np.abs(rates), np.full(len(rates) - 1, self.slipping)
+        threshold = np.full(len(rates) - 1, self.slipping)
         if self.slipping is None:
             # The threshold of a level uses only what was until then, so that a march that is
             # continued finds the same onsets.
             until = np.maximum.accumulate(speeds[1:].max(axis=1))
             threshold = ONSET_SHARE * np.maximum(until, float(self.slip_rate.max()))
         onset = onsets_until(self.onset, times, speeds, threshold)
-        return Extremes(forward, reverse, onset, self.slipping)
-
-
-@dataclass(frozen=True, eq=False)
-class LineCheckpoint:
-    """Everything from which a march along a line goes on.
-
-    Attributes
-    ----------
-    state : State
-        Where it goes on from: its end, or the state before a last step that was cut to end there.
-    end : State
-        The state at its end.
-    past, opening : Past
-        Memories of slip, and of opening where the interface may open, at the time of `state`.
-    horizon : float
-        Largest q c_t t of these memories.
-    fingerprint : str
-        Digest of what the run depends on until `latest`.
-    every, count : int
-        Steps per stored level, and steps until the time of `state`.
-    seen : Extremes
-        Extremes until then.
-    latest : float
-        Time up to which the march may go on [time].
-    """
-
-    state: State
-    end: State
-    past: Past
-    opening: Past | None
-    horizon: float
-    fingerprint: str
-    every: int
-    count: int
-    seen: Extremes
-    latest: float
+        return Extremes(forward, reverse, path, onset, self.slipping)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
+from semianalytic.engine.stepping.advance import Span
 from semianalytic.engine.stepping.balance import Balance, freed_rate
 from semianalytic.engine.stepping.blocks import ClosedLine, Level
 from semianalytic.engine.stepping.fronts import acting_loads
@@ -36,6 +38,8 @@ Array = NDArray[np.float64]
 class Stepper(ClosedLine):
     """An interface on a grid, and the time stepping of its fields.
 
+    Fields that are `steady` do not change; the last step of a march `is_cut` at its end.
+
     Parameters
     ----------
     scene : Scene
@@ -49,6 +53,9 @@ class Stepper(ClosedLine):
     shift : float, optional
         Distance by which the grid is moved [length]; what suits the ends of contacts by default.
     """
+
+    is_cut, layout = True, None
+    fields = "slip", "slip_rate", "shear_traction", "state", "pressure", "felt_pressure", "gap"
 
     def __init__(
         self,
@@ -67,6 +74,14 @@ class Stepper(ClosedLine):
     ) -> None:
         material, contact = scene.material, scene.contact
         held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
+        self.settings = {
+            "step_ratio": step_ratio,
+            "sweeps": sweeps,
+            "tolerance": tolerance,
+            "state_share": state_share,
+            "bound_share": bound_share,
+            "longest": longest,
+        }
         self.scene, self.sweeps, self.plate_rate = scene, sweeps, scene.plate_rate
         self.jumps = scene.jumps
         self.grid = grid_of(scene, nodes, shift, held)
@@ -93,7 +108,7 @@ class Stepper(ClosedLine):
         self.loads = ActingLoads("shear", self.shear, loads, x, self.touching, self.shortest)
         self.balance = Balance(self.law, self.impedance, self.touching, self.grid)
         self.memory, opening, stiffness = memories(scene, self.grid, end_time, tolerance)
-        check_feedback("run", self.memory.table(self.shortest * self.speed).feedback[0])
+        check_feedback(self.memory.table(self.shortest * self.speed).feedback[0])
         self.unilateral = None
         if opening is not None:
             base, step = self._base(), self.shortest
@@ -118,6 +133,13 @@ class Stepper(ClosedLine):
         )
         self._is_delayed = bool(np.any(self.law.pressure_delay(np.zeros(len(self._on)))))
         self._latest: tuple[Array | None, Array] = None, np.zeros(0)
+        self.nodes, self.climbs = self.grid, self.ladder.climbs
+        self.steady: dict[str, Array] = {}
+        if self.unilateral is None:  # slip does not change the pressure
+            base = self._base()
+            self.steady = {"pressure": base, "gap": np.zeros(len(x))}
+            if not self._is_delayed:
+                self.steady["felt_pressure"] = base
 
     def _check_adhesion(self, bonds: Adhesion, stiff: float) -> float:
         """Return the longest step [time] in which adhesion may fall, or raise SceneError."""
@@ -138,6 +160,12 @@ class Stepper(ClosedLine):
         base[self.touching] = self.pressure
         return base
 
+    def spans(self, time: float, end_time: float) -> list[Span]:
+        """Return the spans between jumps of the loads from a level on until an end time."""
+        begin = max((at for at in self.jumps if at <= time), default=0.0)
+        stops = [at for at in self.jumps if time < at < end_time] + [end_time]
+        return [Span(*span, self.shortest) for span in pairwise([max(begin, 0.0), *stops])]
+
     def check_sliding(self) -> None:
         """Raise SceneError if friction between different bodies lets waves grow without bounds."""
         if self.pair is not None:
@@ -145,7 +173,7 @@ class Stepper(ClosedLine):
             check_window(self.pair, self.law, self.pressure, rate, self.grid.spacing)
 
     def begin(self) -> State:
-        """Return the state at t = 0, just after loads that jump there."""
+        """Return the state at t = 0, before loads that jump there."""
         count = len(self.grid.x)
         rate = np.zeros(count)
         rate[self.touching] = sampled("scene: rate", self.scene.rate, self._on)
@@ -160,17 +188,15 @@ class Stepper(ClosedLine):
         check_rate(self.law, self.pressure, state, self.impedance)
         nothing = np.zeros(count)
         faces = Faces(self._base(), nothing, nothing, nothing, nothing)
-        return self.jump(
-            State(
-                **vars(faces),
-                time=0.0,
-                rate=rate,
-                slip=nothing,
-                traction=self.shear.copy(),
-                state=state,
-                felt=self.pressure,
-                work=nothing,
-            )
+        return State(
+            **vars(faces),
+            time=0.0,
+            rate=rate,
+            slip=nothing,
+            traction=self.shear.copy(),
+            state=state,
+            felt=self.pressure,
+            work=np.zeros(len(self._on)),
         )
 
     def jump(self, now: State) -> State:
@@ -222,17 +248,18 @@ class Stepper(ClosedLine):
             left = stop - now.time
             # A step that almost reaches the stop is stretched to it, so that no sliver is left.
             last = left <= length * (1 + 1e-9)
-            kept = [memory.past() for memory in self._every_memory()] if rung > 0 else []
+            kept = [memory.past() for memory in self.every_memory()] if rung > 0 else []
             after = self.step(now, left if last else length, rung, stop if last else None)
             begins = after.rate[self.touching].any() and not now.rate[self.touching].any()
             if not kept or (not begins and length <= self.ladder.convergent(after) / BOUND_SHARE):
                 return after
-            for memory, past in zip(self._every_memory(), kept, strict=True):
+            for memory, past in zip(self.every_memory(), kept, strict=True):
                 memory.put_back(past)
             rung -= 1
             length = self.ladder.length(rung)
 
-    def _every_memory(self) -> list[LineMemory]:
+    def every_memory(self) -> list[LineMemory]:
+        """Return the memory of slip, and that of opening where the interface may open."""
         opening = [] if self.unilateral is None else [self.unilateral.memory]
         return [self.memory, *opening]
 
@@ -283,14 +310,14 @@ class Stepper(ClosedLine):
             amplitudes = self._amplitudes(rate)
         if not math.isfinite(float(amplitudes.sum())):
             raise ComputationError(
-                f"the run lost its finite values at t = {time:.4g}; lower `step_ratio`."
+                f"the run has values that are not finite at t = {time:.4g}; lower `step_ratio`."
             )
         mean = (old + np.abs(rate[self.touching])) / 2
         state, felt = self._evolved(now, mean, length, faces)
         half = length / 2
         new, turned = rate[self.touching], np.abs(rate - now.rate)[self.touching]
         fastest = max(float(np.abs(new).max()), float(old.max()), 1e-300)
-        power = (now.traction * now.rate + traction * rate) * self.touching
+        power = (now.traction * now.rate + traction * rate)[self.touching]
         after = {
             "time": time,
             "rate": rate,

@@ -222,16 +222,14 @@ class _Reading:
         self.numbers = checked_table("numbers", numbers)
         for name, value in self.numbers.items():
             if not name.isidentifier() or name in (*RESERVED, *_TAKEN):
-                raise SceneError(
-                    f"numbers: {shown(name)} has a meaning of its own; take another name."
-                )
+                raise SceneError(f"numbers: {shown(name)} is a reserved name; choose another.")
             if finite(value) is None:
                 raise SceneError(f"numbers: {name} must be a finite number, got {shown(value)}.")
 
     def check_named(self) -> None:
         """Raise SceneError for a number that stands nowhere, most likely a misspelt one."""
         for key in self.numbers.keys() - self.named:
-            raise SceneError(f"numbers.{key} stands in no expression; use it, or leave it out.")
+            raise SceneError(f"numbers.{key} appears in no expression; use it, or leave it out.")
 
     def expression(self, text: str, *variables: str) -> Expression:
         """Return an expression that may name the numbers."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from functools import partial
 from os import PathLike, fspath
 from pathlib import Path
 
 from semianalytic.scene.arguments import Function, taking_quantities
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
@@ -87,8 +86,7 @@ def find(source: str | PathLike[str]) -> Scene:
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin)
-    close = difflib.get_close_matches(source, names(), n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names())}"
+    hint = meant(source, names(), f"choose {', '.join(names())}", 0.5)
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 

@@ -39,7 +39,7 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "stuck": NamedScene(
         Scene(_UNIT_SOLID, 2.0, base=_NOTHING, load=_BOTH, load_on=REMOTE),
-        "sudden remote pressure and shear, friction high enough to hold everywhere",
+        "sudden remote pressure and shear, friction high enough to prevent slip",
     ),
     "auxetic": NamedScene(
         Scene(Material(1.0, 1.0, -0.5), 0.005, base=_PRELOAD, load=_SHEAR),

@@ -93,7 +93,7 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
         return scene if solid is None else replace(scene, **_bodies(scene, solid))
     if (material.shear_modulus, material.density) != (1.0, 1.0):
         raise SceneError(
-            "only scenes of unit shear modulus and density can be turned into SI units; take "
+            "only scenes of unit shear modulus and density can be converted to SI units; take "
             "another scene, or leave the units out."
         )
     # numbers to begin with need no more digits than a reader does
@@ -288,7 +288,7 @@ def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
     values: dict[str, Any] = {}
     for name, (dimension, _) in part_parameters(type(part)).items():
         if dimension and dimension not in scales:
-            raise SceneError(f"{name} is in {dimension}, which cannot be turned into other units.")
+            raise SceneError(f"{name} is in {dimension}, which cannot be converted to other units.")
         if dimension:
             value = np.multiply(scales[dimension], getattr(part, name))
             rounded = np.array([float(f"{number:.{digits}g}") for number in value.ravel()])

@@ -183,7 +183,7 @@ class Law(Alike, ABC):
     def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
         """Return the speed V >= 0 at which strength + impedance V = stopping, 0 where it sticks.
 
-        By default it is found by bracketing in ln V, to rounding; a law may know a faster way.
+        By default it is found by bracketing in ln V, to rounding; a law may have a faster way.
         """
         slope = self.steady_slope()
         if slope is None:

@@ -92,7 +92,7 @@ class Contact:
 
     @property
     def ends_with_period(self) -> bool:
-        """Whether a part that goes on without end meets a slot that does: one half-line of two.
+        """Whether an unbounded part meets an unbounded slot: one half-line of two.
 
         The contact of a periodic line then ends where the period does.
         """
@@ -110,7 +110,7 @@ class Contact:
     def misfit(self, length: float, nodes: int, shift: float = 0.0) -> float:
         """Return how far the grid of a period has an end of a contact from its place.
 
-        A grid knows ends midway between two of its nodes.  The result is the largest distance over
+        A grid has ends midway between two of its nodes.  The result is the largest distance over
         the node distance, 0 to 1/2, on a grid that is moved by `shift` [length].
         """
         ends = (self.ends(length) - shift) * nodes / length
@@ -137,7 +137,7 @@ class Contact:
         return min(nearest, other, key=lambda shift: self.misfit(length, nodes // 2, shift))
 
     def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
-        """Return a contact that half the nodes see shorter by one, where a grid displaces its ends.
+        """Return a contact shorter by one of half the nodes where a grid displaces its ends.
 
         The change of the answer measures the error of the ends of the grid, which lie `misfit` of
         its node distances off: half that part of one node of the coarser grid.

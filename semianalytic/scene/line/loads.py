@@ -139,7 +139,7 @@ class FrontLoad(Alike):
     ----------
     front : IncidentWave or MovingLoad
         An incident wave acts on the line; a moving load is taken off the faces of slots: those at
-        x < at if it moves away (its speed is positive), all that it has passed if it comes.
+        x < at if it moves away (its speed is positive), all that it has passed if it approaches.
     history : LoadHistory
         Factor over the time since the front.
     at : float

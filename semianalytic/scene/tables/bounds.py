@@ -66,7 +66,7 @@ def parsing(path: Path) -> Iterator[None]:
         raise
     except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
+        raise DataFileError(f"{path} cannot be read ({reason}); write it again.") from error
 
 
 def beginning_of(path: Path, count: int) -> bytes:
@@ -115,5 +115,5 @@ def content_of(path: Path) -> bytes:
                 if size > LARGEST_TEXT:
                     raise too_large(path, "more", f"{LARGEST_TEXT / 2**20:.0f} MB of text")
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-            raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
+            raise DataFileError(f"{path} cannot be unpacked ({error}); pack it again.") from error
     return b"".join(parts)

@@ -85,7 +85,7 @@ def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]])
     words = heading.strip().split("_")
     for behind in (1, 2):  # x_mm, v_mm_s
         stem, unit = "_".join(words[:-behind]), "/".join(words[-behind:])
-        if any(common_size(unit, one) is not None for one in dimensions_of(stem) if stem):
+        if any(common_size(unit, entry) is not None for entry in dimensions_of(stem) if stem):
             return stem, unit
     return heading.strip(), ""
 

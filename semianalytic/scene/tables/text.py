@@ -313,5 +313,5 @@ def _value(path: Path, line: int, text: str, separator: str | None) -> float:
     number = _NUMBER.match(text) or _LOST.match(text)
     if not number or ("," in text and separator == ","):
         shown = text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
-        raise DataFileError(f"{path}, line {line}: {shown!r} is not a number; mend that line.")
+        raise DataFileError(f"{path}, line {line}: {shown!r} is not a number; correct that line.")
     return float(f"{number[1].replace(',', '.')}e{number[2] or 0}")

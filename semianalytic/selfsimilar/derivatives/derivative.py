@@ -250,8 +250,8 @@ class Derivative:
             return self._evaluate(x, t, np.zeros_like)
         if not self.varied.profile.fields.factors.has_rayleigh_wave:
             raise SceneError(
-                "derivative: out of the plane the gap is that of the same scene in the plane; ask "
-                'for its derivative with mode="in-plane".'
+                "derivative: in antiplane shear the gap is that of the same scene in plane strain; "
+                'take its derivative with mode="in-plane".'
             )
         start, end = opened.zone.left, opened.zone.right
         first, last = 0.0 if start is None else start.v[0], np.inf if end is None else end.v[0]

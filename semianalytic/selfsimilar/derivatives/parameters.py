@@ -54,7 +54,7 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
     if load.linearised is not None:
         raise SceneError(
-            "derivative: there is one for constant and viscous friction only; difference two "
+            "derivative: it exists for constant and viscous friction only; difference two "
             "solutions (docs/limits.md)."
         )
     if name == "friction" and scene.coefficient == 0:

@@ -12,14 +12,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 
-from compare.benchmarks.sheets import SI, Sheet, find_sheet, sheets
+from compare.benchmarks.sheets import SI, Sheet, find_sheet, sheet_names, sheets
 from compare.output.printed import PrintedTable
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.units import unit
 from slipfront.cli.options import AsJson
-from slipfront.cli.scenes.completion import sheet_names
+from slipfront.cli.scenes import completion
 from slipfront.cli.terminal import print_json
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ app = typer.Typer(
 )
 
 SheetName = Annotated[
-    str, typer.Argument(metavar="NAME", help="Name of a sheet.", autocompletion=sheet_names)
+    str, typer.Argument(metavar="NAME", help="Name of a sheet.", autocompletion=completion.sheets)
 ]
 _DIMENSIONS = {
     "stations": "length",
@@ -51,11 +51,13 @@ def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
             name = context.invoked_subcommand
             raise SceneError(f"--json follows the command: slipfront benchmark {name} --json.")
     elif as_json:
-        listed = [{**asdict(sheet), "scene": sheet.document} for sheet in sheets().values()]
+        named = map(find_sheet, sheet_names())
+        listed = [{**asdict(sheet), "scene": sheet.document} for sheet in named]
         print_json("benchmark", {"sheets": listed})
     else:
         table = PrintedTable("sheet", "problem", "to report", title="Benchmarks")
-        for name, sheet in sheets().items():
+        for name in sheet_names():
+            sheet = find_sheet(name)
             table.add_row(name, sheet.title, ", ".join(sheet.report).replace("_", " "))
         Console().print(table)
 
@@ -98,7 +100,9 @@ def export(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME...]", help="Sheets to write; all by default.", autocompletion=sheet_names
+            metavar="[NAME...]",
+            help="Sheets to write; by default those with classes.",
+            autocompletion=completion.sheets,
         ),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace existing files.")] = False,
@@ -124,7 +128,7 @@ def score(
         typer.Option(
             metavar="NAME",
             help="Name of the sheet, if the files do not give it.",
-            autocompletion=sheet_names,
+            autocompletion=completion.sheets,
         ),
     ] = None,
     as_json: AsJson = False,

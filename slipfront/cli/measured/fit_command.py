@@ -38,7 +38,15 @@ from semianalytic.scene.given.finding import check_slot, find
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
-from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, asked, option_name, with_options
+from slipfront.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    Quiet,
+    asked,
+    option_name,
+    read_numbers,
+    with_options,
+)
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.fits.data import gauges_and_notes
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
@@ -124,8 +132,8 @@ def fit_command(
         if nodes is not None:
             raise SceneError("--nodes has no effect on a scene with a slot; leave it out.")
     names = tuple(number_name(scene, name) for name in names)
-    known, numbers = _priors(scene, prior or ()), _numbers(scene, "setup", held or (), SETUP)
-    setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
+    known, of_setup = _priors(scene, prior or ()), {name: dimension(name, scene) for name in SETUP}
+    numbers: dict[str, Any] = read_numbers(scene, "setup", held or (), of_setup)
     gauges, notes, unread = gauges_and_notes(
         files, _noise(scene, noise or ()), scene, names, _places(scene, gauge or ())
     )
@@ -136,7 +144,15 @@ def fit_command(
     for path in filter(None, (plot, output)):
         check_file(path)
     with progress_bar(Console(stderr=True), quiet or as_json, "fitting") as progress:
-        found = fit(gauges, scene, names, priors=known, setup=setup, nodes=nodes, progress=progress)
+        found = fit(
+            gauges,
+            scene,
+            names,
+            priors=known,
+            setup=Setup(**numbers),
+            nodes=nodes,
+            progress=progress,
+        )
     written = [path for path in (plot, output) if path is not None]
     document = {**fit_document(found), "notes": list(notes), "unread": list(unread)}
     text = json_text(envelope("fit", document, files=written))
@@ -177,9 +193,8 @@ def _show(found: Fit, written: Sequence[Path], notes: Sequence[str]) -> None:
 
 
 def _values_table(found: Fit) -> PrintedTable:
-    table = PrintedTable("parameter", title=f"Fit: {found.status}")
-    for name in ("value", "error", "unit"):
-        table.add_column(name, justify="left" if name == "unit" else "right")
+    table = PrintedTable("parameter", numbers=("value", "error"), title=f"Fit: {found.status}")
+    table.add_column("unit")
     for number, name in enumerate(found.parameters):
         table.add_row(
             name,
@@ -191,9 +206,9 @@ def _values_table(found: Fit) -> PrintedTable:
 
 
 def _rupture_table(found: Fit) -> PrintedTable:
-    table, units = PrintedTable(title="Rupture"), found.scene.units
-    for name, kind in {"x": "length", **QUOTED}.items():
-        table.add_column(escape(f"{name.replace('_', ' ')} [{unit(kind, units)}]"), justify="right")
+    kinds, units = {"x": "length", **QUOTED}.items(), found.scene.units
+    headings = (escape(f"{n.replace('_', ' ')} [{unit(kind, units)}]") for n, kind in kinds)
+    table = PrintedTable(numbers=headings, title="Rupture")
     for place, x in enumerate(found.quoted.x):
         pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
         cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
@@ -202,10 +217,9 @@ def _rupture_table(found: Fit) -> PrintedTable:
 
 
 def _gauges_table(found: Fit, most: int = 12) -> PrintedTable:
-    table = PrintedTable("gauge", "quantity", title="Gauges")
     length = unit("length", found.scene.units)
-    for name in (f"x [{length}]", f"y [{length}]", "samples", "chi2"):
-        table.add_column(escape(name), justify="right")
+    numbers = *(escape(f"{axis} [{length}]") for axis in "xy"), "samples", "chi2"
+    table = PrintedTable("gauge", "quantity", numbers=numbers, title="Gauges")
     rows = list(zip(found.gauges, found.residuals, strict=True))
     for gauge, residual in rows[:most]:
         table.add_row(
@@ -230,7 +244,7 @@ def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
     for text in given:
         name, _, number = text.rpartition("=")
         if name:
-            result |= _numbers(scene, "noise", [text], tuple(QUANTITIES))
+            result |= read_numbers(scene, "noise", [text], QUANTITIES)
             continue
         kinds = [kind for kind in dict.fromkeys(QUANTITIES.values()) if _is_of(kind, number)]
         if not kinds:
@@ -256,32 +270,10 @@ def _is_of(kind: str, number: str) -> bool:
     return True
 
 
-def _numbers(
-    scene: Scene, option: str, given: Sequence[str], known: Sequence[str]
-) -> dict[str, float]:
-    """Parse NAME=NUMBER arguments, whose numbers may have units, into numbers by name."""
-    result = {}
-    for text in given:
-        name, _, number = text.partition("=")
-        name = name.strip()
-        if name not in known:
-            raise SceneError(
-                f"{option_name(option)} knows {', '.join(filter(None, known))}, got {name!r}."
-            )
-        kind = QUANTITIES.get(name) or dimension(name, scene)
-        try:
-            result[name] = _measured(scene, option, number, kind)
-        except SceneError as error:
-            named = f"must be NAME=NUMBER; {name}: the number {error}" if name else str(error)
-            raise SceneError(f"{option_name(option)} {named}") from None
-    return result
-
-
 def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
     """Return a number that may have a unit of a dimension, in the units of the scene."""
-    number = measure(text, kind, si_size)
-    in_scene = asked(scene, option, number, kind)
-    return number if in_scene is None else in_scene
+    number: float = asked(scene, option, measure(text, kind, si_size), kind)
+    return number
 
 
 def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:

@@ -15,18 +15,16 @@ from compare.output.leftovers import REPORT
 from compare.output.places import working_folder, write_text
 from compare.records.names import not_read
 from compare.records.read import read_records
-from compare.records.record import ReadingOptions
+from compare.records.record import QUANTITIES, ReadingOptions
 from compare.validation.conventions import BASIC, Conventions
 from compare.validation.report import validation_document
 from compare.validation.validation import CONVERTED, Validation, validate
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find, scene_folder, scene_label
-from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
-from semianalytic.scene.units import InSI, measure
+from semianalytic.scene.units import InSI
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     SCENE_OPTIONS,
@@ -37,11 +35,14 @@ from slipfront.cli.options import (
     option,
     option_name,
     optional,
+    read_numbers,
+    read_pair,
     with_options,
 )
 from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
+NOISES = {name: DIMENSIONS[name] for name in QUANTITIES}
 _UNITS = "Units and conventions of the file (of the scene, and as given, unless stated)"
 
 
@@ -146,15 +147,16 @@ def validate_command(
     asked(scene, "time_shift", conventions.get("time_shift"), "time")
     said = Conventions(
         scale=_scales(units, places.get("scale", ())),
-        noise=_noise(scene, noise or ()),
+        noise=read_numbers(scene, "noise", noise or (), NOISES),
         rate_from_slip=rate_from_slip,
         threshold=threshold,
         **conventions,
     )
+    columns = places.get("column", ())
     reading = ReadingOptions(
         tuple(_in_file("at", place, units) for place in places.get("at", ())),
         _in_file("origin", places.get("origin", 0.0), units),
-        _columns(places.get("column", ())),
+        dict(read_pair("column", text, "a column", "slip_rate=V1") for text in columns),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
     records = read_records(results, reading)
@@ -169,18 +171,6 @@ def validate_command(
         _show(validation, label, directory)
     failed = validation.verdict == DIFFERS or (strict and validation.verdict == CONVERTED)
     raise typer.Exit(1 if failed else 0)
-
-
-def _columns(told: Sequence[str]) -> dict[str, str]:
-    """Names of columns by what they hold."""
-    pairs = [text.partition("=") for text in told]
-    for name, equals, column in pairs:
-        if not name or not equals or not column:
-            raise SceneError(
-                f"{option_name('column')} must be a name and a column as slip_rate=V1, got "
-                f"{name + equals + column!r}."
-            )
-    return {name: column for name, _, column in pairs}
 
 
 def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
@@ -216,25 +206,6 @@ def _scale(name: str, number: str, text: str) -> float:
                 f"length=0.001, got {text!r}."
             ) from None
         return size
-
-
-def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
-    """Standard deviations by quantity, of NAME=NUMBER; a number may have a unit."""
-    result = {}
-    for text in given:
-        name, equals, number = (part.strip() for part in text.partition("="))
-        if not equals:
-            raise SceneError(
-                "--noise must be a name and a number as slip_rate=0.01 or slip=0.5um, got "
-                f"{shown(text)}."
-            )
-        dimension = DIMENSIONS.get(name, "1")
-        try:
-            result[name] = measure(number, dimension, si_size)
-        except SceneError as error:
-            raise SceneError(f"--noise must be NAME=NUMBER; {name}: the number {error}") from None
-        asked(scene, "noise", result[name], dimension)
-    return result
 
 
 def _in_file(option: str, place: float, units: Mapping[str, str]) -> float:

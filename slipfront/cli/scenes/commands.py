@@ -179,7 +179,7 @@ def init(
         document = {"scene": read_document(finite), "units": {}, "text": text}
     if file != STDOUT:
         check_file(file)
-        if file.exists() and not force:
+        if (file.exists() or file.is_symlink()) and not force:  # a link to nothing, too
             raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:

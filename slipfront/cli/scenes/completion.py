@@ -44,11 +44,11 @@ def figure_names(incomplete: str) -> list[str]:
     return _starting([*FIGURES, *plugin_names(GROUP, FIGURES)], incomplete)
 
 
-def sheet_names(incomplete: str) -> list[str]:
+def sheets(incomplete: str) -> list[str]:
     """Complete names of benchmark sheets."""
-    from compare.benchmarks.sheets import sheets
+    from compare.benchmarks.sheets import sheet_names
 
-    return _starting(sheets(), incomplete)
+    return _starting(sheet_names(), incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:

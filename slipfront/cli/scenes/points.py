@@ -17,7 +17,7 @@ from compare.output.printed import PrintedTable
 from semianalytic import SceneError
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import shown
-from semianalytic.scene.units import InSI, unit
+from semianalytic.scene.units import InSI, unit, with_unit
 from slipfront.cli.options import option_name, read_number
 from slipfront.cli.terminal import print_json
 
@@ -104,9 +104,9 @@ def _numbers(scene: Any, name: str, texts: Sequence[str]) -> Iterator[float]:
 
 def points_table(answer: Any, points: AskedPoints) -> PrintedTable:
     """Return a table of arrivals and fields at points, each with the bar of its error."""
-    scene, table = answer.scene, PrintedTable("at", "quantity", title="At points of the contact")
-    for name in ("value", "± error", "unit"):
-        table.add_column(name, justify="left" if name == "unit" else "right")
+    scene, title, numbers = answer.scene, "At points of the contact", ("value", "± error")
+    table = PrintedTable("at", "quantity", numbers=numbers, title=title)
+    table.add_column("unit")
     rows = points.document(answer)
     units = units_document(rows, POINT_DIMENSIONS, scene)
     times, size = points.shown_time(scene)
@@ -191,4 +191,4 @@ def _given(value: float, dimension: str, scene: Any) -> str:
     """Write a number in the unit that it was given in."""
     if isinstance(value, InSI):
         return f"{value / value.size:.6g} {value.name}"
-    return f"{value:.6g} {unit(dimension, scene.units)}" if scene.units else f"{value:.6g}"
+    return with_unit(value, dimension, scene.units, 6)

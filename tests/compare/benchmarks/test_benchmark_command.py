@@ -6,14 +6,14 @@ import json
 import pytest
 
 from compare.benchmarks.answers import table_of
-from compare.benchmarks.sheets import find_sheet, sheets
+from compare.benchmarks.sheets import find_sheet, sheet_names
 from slipfront.cli.commands import main
 
 
 def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     assert main(["benchmark"]) == 0
     shown = capsys.readouterr().out
-    assert all(name in shown for name in sheets())
+    assert all(name in shown for name in sheet_names())
     assert main(["benchmark", "show", "lift-off"]) == 0
     assert "0 to 0.1875" in capsys.readouterr().out
     assert main(["benchmark", "export", str(tmp_path / "[/x]"), "antiplane", "stuck"]) == 0
@@ -28,8 +28,8 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     capsys.readouterr()
     assert main(["benchmark", "score", str(table), "--json"]) == 0
     scores = json.loads(capsys.readouterr().out)["scores"]
-    assert [one["quantity"] for one in scores] == ["arrival", "slip_rate", "slip", "shear_traction"]
-    assert max(one["error"] for one in scores[1:]) < 1e-9
+    assert [row["quantity"] for row in scores] == ["arrival", "slip_rate", "slip", "shear_traction"]
+    assert max(score["error"] for score in scores[1:]) < 1e-9
     few = tmp_path / "[bold] few.csv"
     rows = "0.1,0.5,0,1\n0.9,0.5,0,1\n9,0.5,0,1\n0.1,0.7123,0,1\n0.2,0.7123,0,1\n"
     few.write_text(f"# benchmark: antiplane\nt,x,slip,heat\n{rows}")
@@ -47,6 +47,7 @@ def test_sheets_are_listed_shown_exported_and_scored(tmp_path, capsys):
     [
         (["show", "stick"], 2, "did you mean stuck?"),
         (["show", "zzz"], 2, "choose stuck"),
+        (["show", "pmma-specimen"], 2, "a specimen of finite size"),
         (["score", "none.csv"], 3, "none.csv cannot be read"),
         (["score", "mine.csv"], 2, "does not say of which benchmark it is; give --sheet."),
         (["score", "mine.csv", "--sheet", "tap"], 3, "no column of times"),

@@ -20,10 +20,12 @@ from compare.benchmarks.answers import (
     values_of,
 )
 from compare.benchmarks.pages import page_of
-from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheets, stored_text
+from compare.benchmarks.scores import score_files
+from compare.benchmarks.sheets import DATA, SUMS, find_sheet, sheet_names, sheets, stored_text
 from compare.records.record import QUANTITIES
 from docs.studies import benchmarks
 from semianalytic import DataFileError, Material, Scene, Tractions, find, solve
+from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
 
 SHEETS = sheets()
 INTERFACES = [name for name, sheet in SHEETS.items() if sheet.is_interface]
@@ -47,7 +49,7 @@ EDGES = {
 
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize(
-    "name", [*QUICK, *(pytest.param(one, marks=pytest.mark.slow) for one in PAIRS)]
+    "name", [*QUICK, *(pytest.param(pair, marks=pytest.mark.slow) for pair in PAIRS)]
 )
 def test_a_table_holds_what_the_solver_says(name):
     sheet = SHEETS[name]
@@ -84,7 +86,7 @@ def test_at_an_arrival_the_level_is_passed_and_no_front_passes_at_a_time_of_the_
 
 def test_a_march_is_as_far_off_as_it_says(monkeypatch):
     sheet = SHEETS["pulse"]
-    assert [name for name, one in SHEETS.items() if one.is_marched] == ["pulse", *INTERFACES]
+    assert [name for name, listed in SHEETS.items() if listed.is_marched] == ["pulse", *INTERFACES]
     fine = fields_of(
         sheet, solve(sheet.problem, method="space-time", end_time=1.0, nodes=1600, estimate=False)
     )
@@ -118,9 +120,9 @@ def changes(name, nodes, stored):
     fields, errors = limit(name, nodes)
     known = {**stored.values, "arrivals": stored.arrivals}
     return [
-        one
-        for one, values in fields.items()
-        if not benchmarks.apart(one, values, known[one]) <= errors[one] + stored.errors[one]
+        field
+        for field, values in fields.items()
+        if not benchmarks.apart(field, values, known[field]) <= errors[field] + stored.errors[field]
     ]
 
 
@@ -158,7 +160,7 @@ def test_until_a_wave_has_crossed_it_one_of_two_slots_is_one_long_slot():
 
 def test_stored_data_are_signed_and_a_changed_digit_is_refused(tmp_path):
     lines = (DATA / SUMS).read_text().splitlines()
-    assert {line.split()[1] for line in lines} == {one.name for one in DATA.iterdir()} - {SUMS}
+    assert {line.split()[1] for line in lines} == {path.name for path in DATA.iterdir()} - {SUMS}
     assert {f"{name}.json" for name in INTERFACES} < {line.split()[1] for line in lines}
     folder = shutil.copytree(DATA, tmp_path / "data")
     text = stored_text("tpv205.json", folder)
@@ -198,6 +200,27 @@ def test_a_page_says_problem_stations_units_errors_and_classes(name):
         said = f"p = {pressure / 1e6:g} MPa" if sheet.units == "SI" else f"p = {pressure:g}"
         assert said in sheet.statement
         assert f"T = {sheet.end_time:g}" in sheet.statement
+
+
+def test_every_named_scene_is_a_sheet():
+    assert set(sheet_names()) == {*NAMED_SCENES, *NAMED_LINES}
+    for name in set(sheet_names()) - set(SHEETS):
+        sheet = find_sheet(name)
+        assert sheet.problem == find(name)
+        assert max(sheet.stations) <= sheet.extent
+        assert not sheet.classes
+
+
+@pytest.mark.parametrize(
+    "name", ["growing-load", "incident-p", "punch", pytest.param("tpv103", marks=pytest.mark.slow)]
+)
+def test_a_sheet_without_classes_scores_its_own_answer(name, tmp_path):
+    sheet, path = find_sheet(name), tmp_path / "mine.csv"
+    path.write_text(table_of(sheet))
+    assert sheet.title in page_of(sheet)
+    for one in score_files([path]):
+        assert (one.grade, one.held) == ("", 1.0)
+        assert one.error < (0.02 if one.quantity == "arrival" else 1e-6)
 
 
 def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):

@@ -38,7 +38,7 @@ def test_order_of_a_sequence_is_that_it_was_made_with(truth, error, order, ratio
 @given(st.floats(LEAST_ORDER + 1e-6, 4.0), st.sampled_from([1, -1]), st.floats(1e-6, 1.0))
 def test_errors_of_an_allowed_order_are_within_their_bar(order, sign, error):
     moved = changes(readings(0.0, sign * error, order))
-    bar, norm = (error_bar(moved, norm=one) for one in (False, True))
+    bar, norm = (error_bar(moved, norm=choice) for choice in (False, True))
     assert error <= norm.size * (1 + 1e-9) <= bar.size * (1 + 2e-9)
     missing = abs(moved[0]) / (2 ** min(order, LARGEST_ORDER) - 1)
     assert (norm.size, norm.order, bar.converges) == pytest.approx((SAFETY * missing, order, True))

@@ -176,7 +176,7 @@ def test_bars_come_from_the_simulation():
         if row.kind in ("arrival", "local", "sense") or "(x, t)" in name:
             continue  # windows, places and edges in maps depend on the prediction
         scales = (row.at_nodes, other[name].at_nodes) if row.relative else (1.0, 1.0)
-        bars = [one.bar * scale for one, scale in zip((row, other[name]), scales, strict=True)]
+        bars = [entry.bar * scale for entry, scale in zip((row, other[name]), scales, strict=True)]
         assert bars[0] == pytest.approx(bars[1], rel=1e-3, abs=1e-5), name
         compared += row.at_nodes != other[name].at_nodes
     assert compared >= 6
@@ -229,14 +229,14 @@ def test_units_do_not_matter(friction, resolution, modulus, density, stress, tim
     )
     other = judge(solved(scene), rescaled(run, scene, time))
     assert [row.verdict for row in other.rows] == [row.verdict for row in plain.rows]
-    for one, row in zip(plain.rows, other.rows, strict=True):
-        assert (one.name, one.unit, one.resolution) == (row.name, row.unit, row.resolution)
+    for line, row in zip(plain.rows, other.rows, strict=True):
+        assert (line.name, line.unit, line.resolution) == (row.name, row.unit, row.resolution)
         # a node at a threshold may fall on either side of it
-        least = 1e-3 if one.kind == "sense" else 1e-8
+        least = 1e-3 if line.kind == "sense" else 1e-8
         for field in ("exact", "at_nodes", "simulated", "difference", "bar"):
-            value = getattr(one, field)
+            value = getattr(line, field)
             expected = None if value is None else pytest.approx(value, rel=1e-6, abs=least)
-            assert getattr(row, field) == expected, (one.name, field)
+            assert getattr(row, field) == expected, (line.name, field)
 
 
 def rescaled(run, scene, time):
@@ -253,10 +253,10 @@ def rescaled(run, scene, time):
         "final_work_density": stress * rate * time,
     }
 
-    def scaled(one, **others):
-        known = {part.name: getattr(one, part.name) for part in fields(one) if part.name in units}
+    def scaled(left, **others):
+        known = {part.name: getattr(left, part.name) for part in fields(left) if part.name in units}
         return replace(
-            one, **{name: units[name] * value for name, value in known.items()}, **others
+            left, **{name: units[name] * value for name, value in known.items()}, **others
         )
 
     return scaled(

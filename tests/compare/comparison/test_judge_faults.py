@@ -124,7 +124,7 @@ class TestTractionsBeforeTheWaves:
     )
     def test_a_simulation_begins_with_them_and_a_factor_on_them_is_caught(self, name):
         run = simulate(find_scene(name), resolution=24)
-        right, wrong = (own(one)[self.NAME] for one in (run, spoilt(run, "pressure", 1.02)))
+        right, wrong = (own(answer)[self.NAME] for answer in (run, spoilt(run, "pressure", 1.02)))
         assert (right.verdict, right.difference) == ("agrees", 0.0)
         assert wrong.verdict == "differs"
 

@@ -170,7 +170,7 @@ def test_a_budget_is_kept_and_used(friction):
             finer = choose_mesh(solution, scene, resolution=round(1.2 * choice.resolution))
             assert finer.seconds > budget
             assert choice.reason == "the finest within budget and memory"
-    assert all(one.resolution <= other.resolution for one, other in pairwise(choices))
+    assert all(choice.resolution <= other.resolution for choice, other in pairwise(choices))
     assert choices[0].resolution < choices[-1].resolution
 
 
@@ -225,7 +225,7 @@ def test_a_weakening_front_takes_some_elements():
         assert (needed <= choice.resolution) == (end_time <= 2.0)
         seen = not weakening_caution(WEAKENING, end_time, choice.resolution)
         assert seen == (end_time <= 2.0)
-        assert [one.resolution for one in choice.unresolved] == [needed] * (end_time > 2.0)
+        assert [gap.resolution for gap in choice.unresolved] == [needed] * (end_time > 2.0)
     assert choice.unresolved[0].name.startswith("the weakening front, 0.0")
 
 

@@ -27,7 +27,7 @@ SLOW = {
 }
 """Figures that take seconds to make: more than half of the time of this file."""
 EACH = pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SLOW)) for one in CATALOGUE]
+    "name", [pytest.param(entry, marks=[pytest.mark.slow] * (entry in SLOW)) for entry in CATALOGUE]
 )
 LEAST_APART = 15.0
 """Least distance of curves and marks of one form in CIELAB; side by side 2.3 is just seen."""
@@ -52,7 +52,7 @@ def drawn(name):
 
 def maps(panel):
     """Images and meshes of a panel."""
-    return [one for one in panel.get_children() if isinstance(one, QuadMesh | AxesImage)]
+    return [artist for artist in panel.get_children() if isinstance(artist, QuadMesh | AxesImage)]
 
 
 def over(colour, ground, alpha=None):
@@ -82,17 +82,17 @@ def too_near(figure):
     for panel in figure.axes:
         ground = panel.get_facecolor()
         handles = entries(panel, figure)
-        lines = [*curves(panel), *(one for one in handles if isinstance(one, Line2D))]
-        looks = {(over(one.get_color(), ground, one.get_alpha()), forms(one)) for one in lines}
-        fills = {over(one.get_facecolor(), ground) for one in handles if isinstance(one, Patch)}
+        lines = [*curves(panel), *(handle for handle in handles if isinstance(handle, Line2D))]
+        looks = {(over(line.get_color(), ground, line.get_alpha()), forms(line)) for line in lines}
+        fills = {over(item.get_facecolor(), ground) for item in handles if isinstance(item, Patch)}
         pairs = [
             (a, b, LEAST_APART)
             for (a, form), (b, other) in combinations(sorted(looks), 2)
             if form == other and a != b
         ]
-        for one in maps(panel):
-            if isinstance(one.get_cmap(), ListedColormap) and one.get_cmap().N < 20:
-                fills |= {to_hex(colour) for colour in one.get_cmap().colors}
+        for entry in maps(panel):
+            if isinstance(entry.get_cmap(), ListedColormap) and entry.get_cmap().N < 20:
+                fills |= {to_hex(colour) for colour in entry.get_cmap().colors}
         pairs += [(a, b, LEAST_FILLS_APART) for a, b in combinations(sorted(fills), 2)]
         for a, b, least in pairs:
             if least_difference(a, b) < least:
@@ -119,15 +119,15 @@ def faint(figure):
         ground = strokes(text) or {to_hex(figure.get_facecolor())}
         if (
             text.get_text()
-            and min(contrast(text.get_color(), one) for one in ground) < LEAST_CONTRAST
+            and min(contrast(text.get_color(), colour) for colour in ground) < LEAST_CONTRAST
         ):
             yield text.get_text(), text.get_color(), ground
 
 
 def strokes(artist):
     """Colours around an artist."""
-    effects = [one for one in artist.get_path_effects() if isinstance(one, withStroke)]
-    return {to_hex(one._gc["foreground"]) for one in effects}
+    effects = [effect for effect in artist.get_path_effects() if isinstance(effect, withStroke)]
+    return {to_hex(effect._gc["foreground"]) for effect in effects}
 
 
 @pytest.mark.thinned(20)
@@ -140,9 +140,9 @@ def test_colours_are_told_apart_by_all_readers(name):
 @EACH
 def test_colour_maps_are_in_order_of_lightness_for_all_readers(name):
     for panel in drawn(name).axes:
-        for one in maps(panel):
-            if one.get_cmap().N >= 20:
-                colours = one.get_cmap()(np.linspace(0, 1, 101))
+        for entry in maps(panel):
+            if entry.get_cmap().N >= 20:
+                colours = entry.get_cmap()(np.linspace(0, 1, 101))
                 assert all(lightness_is_ordered(colours, vision) for vision in VISIONS)
                 assert least_difference(colours[0], colours[-1]) > LEAST_APART
 
@@ -180,9 +180,9 @@ def test_the_catalogue_has_every_figure_of_the_package():
         ), path
 
 
-def two_lines(one, other, **look):
+def two_lines(first, other, **look):
     figure = Figure()
-    figure.subplots().plot([0, 1], [0, 1], color=one, **look)
+    figure.subplots().plot([0, 1], [0, 1], color=first, **look)
     figure.axes[0].plot([0, 1], [1, 0], color=other)
     return figure
 

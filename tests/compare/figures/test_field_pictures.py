@@ -48,9 +48,9 @@ def test_names_of_fronts_that_cross_stand_clear_of_each_other():
     places = {text.get_text(): text.xy for text in panel.texts}
     assert {"P", "S", "incident SV"} <= set(places)
     x0, x1, y0, y1 = (*panel.get_xlim(), *panel.get_ylim())
-    for (one, (x, y)), (other, (a, b)) in itertools.combinations(places.items(), 2):
+    for (combination, (x, y)), (other, (a, b)) in itertools.combinations(places.items(), 2):
         clear = abs(x - a) > 0.1 * (x1 - x0) or abs(y - b) > 0.03 * (y1 - y0)
-        assert clear, (one, other)
+        assert clear, (combination, other)
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_ffmpeg_is_given_every_frame(film):
     frames = np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, -1, 4)
     assert (frames[..., 3] == 255).all()
     assert (frames[0] != frames[1]).any()
-    assert [one.name for one in path.parent.iterdir()] == ["film.mp4"]
+    assert [file.name for file in path.parent.iterdir()] == ["film.mp4"]
 
 
 @pytest.mark.thinned(2)
@@ -223,7 +223,7 @@ def test_ffmpeg_is_given_every_frame(film):
 def test_a_failing_ffmpeg_is_one_sentence(film, script, tmp_path):
     with pytest.raises(ComputationError, match=r"ffmpeg could not write .*take the format gif\.$"):
         film(script)
-    assert [one.name for one in tmp_path.iterdir()] == ["bin"]
+    assert [path.name for path in tmp_path.iterdir()] == ["bin"]
 
 
 def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):

@@ -77,16 +77,6 @@ def test_fronts_figure_maps_position_and_time(drawn):
     assert np.isfinite(mesh.get_array()).all()
 
 
-@pytest.mark.thinned(6)
-def test_figures_draw_into_axes_of_others(drawn):
-    solution, history, _ = drawn
-    figure = Figure()
-    panels = figure.subplots(2, 2)
-    assert interface_figure(solution, history, axes=tuple(panels.flat)[:3]) is figure
-    assert fronts_figure(solution, history, axes=panels[1, 1]) is figure
-    assert all(panel.has_data() for panel in panels.flat)
-
-
 @pytest.mark.slow
 def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     scene = NAMED_SCENES["preloaded"].scene

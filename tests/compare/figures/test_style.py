@@ -91,21 +91,6 @@ def test_colours_are_those_of_when_a_figure_was_drawn(tmp_path):
 
 
 @styled
-def figure_in_panels(*, axes) -> Figure:
-    SOLUTION.plot(ax=axes)
-    return axes[0].figure
-
-
-def test_lines_of_the_user_keep_their_colours():
-    figure = Figure()
-    panels = figure.subplots(2)
-    (mine,) = panels[0].plot([0, 1], color="C0")
-    assert figure_in_panels(axes=tuple(panels)) is figure
-    assert mine.get_color() == "C0"
-    assert {line.get_color()[0] for line in panels[0].lines if line is not mine} == {"#"}  # fixed
-
-
-@styled
 def figure_of_words() -> Figure:
     figure = describe(new_figure(4, 3), SOLUTION.scene)
     figure.subplots().set(xlabel="place [m]", ylabel="speed")
@@ -122,7 +107,7 @@ def test_the_same_figure_is_the_same_bytes(form, begins, tmp_path, monkeypatch):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
         path = tmp_path / date / f"one.{form}"
         save_figure(figure_of_words(), path)
-        assert [one.name for one in path.parent.iterdir()] == [path.name]
+        assert [file.name for file in path.parent.iterdir()] == [path.name]
         found.append(path.read_bytes())
     assert found[0] == found[1]
     assert found[0].startswith(begins)

@@ -51,8 +51,8 @@ def test_different_bodies_agree(judged):
     assert rows["slip"].difference < 0.02
     assert rows["slip"].bar < 0.1
     assert rows["pressure"].over_bar < 1
-    assert [one.nodes for one in judged.case.simulations] == [256, 128, 64]
-    assert all(abs(one.imbalance) < 1e-12 for one in judged.case.simulations)
+    assert [simulation.nodes for simulation in judged.case.simulations] == [256, 128, 64]
+    assert all(abs(simulation.imbalance) < 1e-12 for simulation in judged.case.simulations)
 
 
 @pytest.mark.parametrize("mistake", ["scaled", "late"])
@@ -123,12 +123,12 @@ def test_a_contact_that_opens_beside_a_slot_agrees():
 def spoilt_at(name, times):
     """A simulation with a wrong value of a field at one place and time."""
 
-    def spoil(one):
-        values = getattr(one, name).copy()
-        contact = np.flatnonzero(one.touching)
+    def spoil(first):
+        values = getattr(first, name).copy()
+        contact = np.flatnonzero(first.touching)
         level, node = np.unravel_index(np.argmax(np.abs(values[:, contact])), (20, len(contact)))
         values[level, contact[node]] *= times
-        return replace(one, **{name: values})
+        return replace(first, **{name: values})
 
     return spoil
 
@@ -136,10 +136,10 @@ def spoilt_at(name, times):
 def spoilt_nodes(name, times, phase=0):
     """A simulation with wrong values of a field at all nodes but one of four."""
 
-    def spoil(one):
-        values = getattr(one, name).copy()
+    def spoil(first):
+        values = getattr(first, name).copy()
         values[:, np.arange(values.shape[1]) % 4 != phase] *= times
-        return replace(one, **{name: values})
+        return replace(first, **{name: values})
 
     return spoil
 
@@ -179,12 +179,12 @@ def test_stored_strength_is_that_of_the_law_and_carried_where_the_contact_slides
         values = getattr(finest, field).copy()
         values[place] *= times
         wrong = judge_interface(judged.prediction, [replace(finest, **{field: values}), *coarser])
-        assert row in [one.name for one in wrong.having("differs")]
+        assert row in [row.name for row in wrong.having("differs")]
 
 
 def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
     """Wrong on all meshes alike, and in the run: no comparison shows it, but slip does."""
-    scaled = [replace(one, slip_rate=1.01 * one.slip_rate) for one in judged.case.simulations]
+    scaled = [replace(run, slip_rate=1.01 * run.slip_rate) for run in judged.case.simulations]
     run = changed(judged.prediction, slip_rate=1.01 * judged.prediction.interface.slip_rate)
     wrong = judge_interface(run, scaled)
     assert [row.name for row in wrong.having("differs")] == ["slip rate against slip"]
@@ -195,13 +195,13 @@ def test_stored_slip_rates_are_those_of_the_stored_slip(judged):
 def test_values_that_are_not_finite_are_refused(judged, field, value):
     finest, *coarser = judged.case.simulations
     every = np.full_like(finest.slip, value)
-    one = getattr(finest, field).copy()
-    one[3, 5] = value
-    for spoilt in (every, one):
+    values = getattr(finest, field).copy()
+    values[3, 5] = value
+    for spoilt in (every, values):
         with pytest.raises(DataFileError, match=r"256 nodes has .* not a finite number"):
             judge_interface(judged.prediction, [replace(finest, **{field: spoilt}), *coarser])
     everywhere = [
-        replace(one, **{field: np.full_like(one.slip, value)}) for one in (finest, *coarser)
+        replace(entry, **{field: np.full_like(entry.slip, value)}) for entry in (finest, *coarser)
     ]
     with pytest.raises(DataFileError, match="not a finite number"):
         judge_interface(judged.prediction, everywhere)
@@ -275,7 +275,7 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
     assert "finite elements, 256 along the interface" in shown
     document = printed([*COMMON, "--mesh-nodes", "256"])
     assert document["status"] == "agrees"
-    assert [one["nodes"] for one in document["comparison"]["meshes"]] == [256, 128, 64]
+    assert [mesh["nodes"] for mesh in document["comparison"]["meshes"]] == [256, 128, 64]
     assert {row["kind"] for row in document["comparison"]["rows"]} >= {"slip", "pressure"}
 
 
@@ -296,7 +296,7 @@ def test_a_difference_ends_with_1(monkeypatch, capsys):
     monkeypatch.setattr(
         comparing,
         "line_of",
-        lambda one, *grid: honest(replace(one, friction=sf.Coulomb(0.3)), *grid),
+        lambda finest, *grid: honest(replace(finest, friction=sf.Coulomb(0.3)), *grid),
     )
     assert main([*COMMON, "--mesh-nodes", "128"]) == 1
     assert "Verdict: differs" in " ".join(capsys.readouterr().out.split())

@@ -235,8 +235,8 @@ def test_dates_of_files_from_a_wrong_clock_change_nothing(time, tmp_path, kinds,
 
 def test_writers_in_the_same_process_do_not_meet(tmp_path):
     path = tmp_path / "a.h5"
-    with whole_hdf5(path) as one, whole_hdf5(path) as two:
-        one["x"], two["x"] = 1, 2
+    with whole_hdf5(path) as left, whole_hdf5(path) as two:
+        left["x"], two["x"] = 1, 2
     with new_file(path) as first:
         with new_file(path) as second:
             second.write_text("second")

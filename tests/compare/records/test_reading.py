@@ -40,10 +40,10 @@ def written(path, content):
 
 
 def check(records, rate=RATE, x=X):
-    assert [one.x for one in records.stations] == pytest.approx(list(x))
-    for j, one in enumerate(records.stations):
-        np.testing.assert_allclose(one.t, T)
-        np.testing.assert_allclose(one.values["slip_rate"], rate[:, j], rtol=1e-7)
+    assert [station.x for station in records.stations] == pytest.approx(list(x))
+    for j, station in enumerate(records.stations):
+        np.testing.assert_allclose(station.t, T)
+        np.testing.assert_allclose(station.values["slip_rate"], rate[:, j], rtol=1e-7)
 
 
 TEXTS = {
@@ -76,7 +76,7 @@ def test_mended_rows_are_said_and_gaps_stay(tmp_path):
     rows[3][2] = "nan"
     (records,) = read_records([written(tmp_path / "run.csv", text_of(rows))])
     assert "rows are sorted by time" in records.notes
-    assert sorted(np.isnan(one.values["slip_rate"]).sum() for one in records.stations) == [0, 1]
+    assert sorted(np.isnan(entry.values["slip_rate"]).sum() for entry in records.stations) == [0, 1]
 
 
 def test_stations_of_a_run_have_a_file_each(tmp_path):
@@ -218,12 +218,12 @@ def test_what_this_package_writes(tmp_path):
         slip = simulation.interface.slip[:, -1]
         np.testing.assert_array_equal(records.stations[-1].values["slip"], slip)
     (seen,) = read_records([next((tmp_path / "s").glob("*.pvd"))])
-    last = {round(one.x, 9): one.values["slip"][-1] for one in records.stations}
-    both = [one for one in seen.stations if round(one.x, 9) in last]
+    last = {round(station.x, 9): station.values["slip"][-1] for station in records.stations}
+    both = [station for station in seen.stations if round(station.x, 9) in last]
     assert len(both) > 5
-    for one in both:
+    for record in both:
         # frames are in single precision
-        assert one.values["slip"][-1] == pytest.approx(last[round(one.x, 9)], rel=2e-7)
+        assert record.values["slip"][-1] == pytest.approx(last[round(record.x, 9)], rel=2e-7)
 
 
 def test_answers_that_this_package_saves_are_read_whatever_they_are_called(tmp_path):
@@ -248,9 +248,9 @@ def test_what_uguca_writes():
     (dump,) = read_records([ENTRANTS / "uguca-own-files" / "preloaded.info"], origin)
     (table,) = read_records([ENTRANTS / "uguca" / "preloaded" / "100.csv"])
     assert table.spacing == 0.01
-    beside = [one for one in dump.stations if abs(one.x - 0.5) < 0.01]
-    mean = np.mean([one.values["slip"] for one in beside], axis=0)
-    (here,) = (one for one in table.stations if one.x == 0.5)
+    beside = [station for station in dump.stations if abs(station.x - 0.5) < 0.01]
+    mean = np.mean([station.values["slip"] for station in beside], axis=0)
+    (here,) = (station for station in table.stations if station.x == 0.5)
     shown = 2 * np.interp(here.t, beside[0].t, mean)  # one half-space alone
     np.testing.assert_allclose(shown, here.values["slip"], atol=1e-5)
 
@@ -258,10 +258,10 @@ def test_what_uguca_writes():
 def test_what_sem2dpack_writes():
     (fault,) = read_records([ENTRANTS / "sem2dpack-own-files" / "preloaded"])
     (table,) = read_records([ENTRANTS / "sem2dpack" / "preloaded" / "80.csv"])
-    for one, other in zip(fault.stations, table.stations, strict=True):
-        assert one.x == pytest.approx(100 * other.x)
+    for station, other in zip(fault.stations, table.stations, strict=True):
+        assert station.x == pytest.approx(100 * other.x)
         for name, scale in (("slip", 0.01), ("slip_rate", 1.0), ("shear_traction", 1.0)):
-            shown = np.interp(other.t, one.t / 100, scale * one.values[name])
+            shown = np.interp(other.t, station.t / 100, scale * station.values[name])
             np.testing.assert_allclose(shown, other.values[name], atol=2e-5)
 
 
@@ -331,11 +331,11 @@ def read(path, **options):
 )
 def test_units_in_headers_are_converted_and_said(tmp_path, header, sizes):
     records = read(table(tmp_path, header))
-    one = records.stations[1]
-    (name,) = one.values
-    np.testing.assert_allclose(one.t, sizes[0] * np.array([0, 0.5, 1]))
-    assert one.x == pytest.approx(0.5 * sizes[1])
-    np.testing.assert_allclose(one.values[name], sizes[2] * np.array([0, 1, 2]))
+    station = records.stations[1]
+    (name,) = station.values
+    np.testing.assert_allclose(station.t, sizes[0] * np.array([0, 0.5, 1]))
+    assert station.x == pytest.approx(0.5 * sizes[1])
+    np.testing.assert_allclose(station.values[name], sizes[2] * np.array([0, 1, 2]))
     kept = {key: unit.size for key, unit in records.stated.units.items()}
     named = {"t": sizes[0], "x": sizes[1], name: sizes[2]} if "[-]" not in header else {}
     assert kept == pytest.approx(named)
@@ -373,7 +373,7 @@ def test_units_of_datasets(tmp_path):
         file["x"].attrs["units"] = "km"
         file["V"].attrs["units"] = np.bytes_(b"mm/s")
     records = read(path)
-    assert [one.x for one in records.stations] == [1e3, 2e3]
+    assert [station.x for station in records.stations] == [1e3, 2e3]
     assert records.stations[0].values["slip_rate"][0] == 1e-3
     assert set(records.stated.units) == {"x", "slip_rate"}
 
@@ -394,7 +394,7 @@ def test_spacing_and_origin_follow_the_unit_of_x(tmp_path, comment, header, spac
     assert records.spacing == (None if spacing is None else pytest.approx(spacing))
     size = records.stated.units["x"].size if "x" in records.stated.units else 1.0
     moved = read(table(tmp_path, header, comments=comment), origin=0.125)
-    assert [one.x for one in moved.stations] == pytest.approx([0.125 * size, 0.375 * size])
+    assert [station.x for station in moved.stations] == pytest.approx([0.125 * size, 0.375 * size])
 
 
 def test_a_station_may_name_the_unit_of_its_place(tmp_path):
@@ -436,11 +436,11 @@ def test_t_s_of_seissol_is_a_shear_traction(tmp_path, time):
     path = tmp_path / "run-faultreceiver-00001.dat"
     path.write_text(SEISSOL.format(more="", values="").replace("Time", time))
     records = read(path)
-    (one,) = records.stations
-    assert one.x == 250
-    assert one.values["slip_rate"].tolist() == [0, 2]
-    assert one.values["shear_traction"].tolist() == [0, -3e6]
-    assert one.values["pressure"].tolist() == [0, 1e5]
+    (station,) = records.stations
+    assert station.x == 250
+    assert station.values["slip_rate"].tolist() == [0, 2]
+    assert station.values["shear_traction"].tolist() == [0, -3e6]
+    assert station.values["pressure"].tolist() == [0, 1e5]
     assert records.stated.changes == {"shear_traction", "pressure"}
     assert records.stated.units.keys() == ({"t"} if time == "t [s]" else set())
     path.write_text(SEISSOL.format(more=',"Ts0" ,"Pn0"', values="7.0E+07\t-1.2E+08\t"))

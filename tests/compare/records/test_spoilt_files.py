@@ -128,7 +128,7 @@ def test_a_good_file_is_read(tmp_path):
 
 def test_files_that_do_not_go_together(tmp_path):
     assert "does not exist" in sentence_of([tmp_path / "run.csv"])
-    assert "name one" in sentence_of([])
+    assert "name at least one" in sentence_of([])
     assert "empty folder" in sentence_of([tmp_path])
     for name in ("a.csv", "b.csv"):
         (tmp_path / name).write_text("# x = 1\n" + SCEC)

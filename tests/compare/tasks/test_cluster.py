@@ -45,8 +45,8 @@ in_processes = pytest.mark.parametrize("two_workers", [True], indirect=True, ids
 
 @pytest.fixture
 def client(two_workers):
-    with Client(two_workers, set_as_default=False) as one:
-        yield one
+    with Client(two_workers, set_as_default=False) as first:
+        yield first
 
 
 def plain(data):
@@ -104,10 +104,10 @@ def test_workers_of_another_version_are_refused(there, said, client, monkeypatch
 def test_a_cluster_without_workers_is_refused():
     with (
         local_cluster(0) as bare,
-        Client(bare, set_as_default=False) as one,
+        Client(bare, set_as_default=False) as member,
         pytest.raises(ComputationError, match="has no workers"),
     ):
-        cluster.check_workers(one, patience=0.2)
+        cluster.check_workers(member, patience=0.2)
 
 
 def test_an_address_nobody_answers_at_is_refused(two_workers):

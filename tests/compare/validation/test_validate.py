@@ -67,7 +67,7 @@ def test_few_samples_are_no_late_arrival(solution, samples):
     late = {**data, "t": data["t"] + 0.1}
     right, wrong = (
         [row.verdict for row in found.rows if row.kind == "arrival"]
-        for found in (validate(one, PRELOADED, spacing=1 / 1000) for one in (data, late))
+        for found in (validate(record, PRELOADED, spacing=1 / 1000) for record in (data, late))
     )
     assert right == 3 * ["agrees"]
     assert "differs" in wrong
@@ -322,7 +322,7 @@ def test_bars_of_all_stations_are_those_of_each_by_their_size():
 def test_noise_that_hides_everything_is_what_stands_in_the_way(gauges):
     said = Conventions(noise={"slip": 1.0})
     found = validate(gauges, PRELOADED, spacing=0.01, conventions=said)
-    (row,) = (one for one in found.rows if one.name == "slip all stations")
+    (row,) = (row for row in found.rows if row.name == "slip all stations")
     assert row.verdict == "unresolved"
     assert row.obstacle.startswith("the noise of the data leaves it open by")
 

@@ -17,7 +17,7 @@ def test_waves_grow_above_the_thresholds_alone():
 
 @pytest.mark.parametrize("name", ["thresholds", pytest.param("halflines", marks=pytest.mark.slow)])
 def test_tables_of_docs_are_what_their_command_makes(name):
-    (study,) = (one for one in STUDIES if one.name == f"dissimilar-{name}")
+    (study,) = (study for study in STUDIES if study.name == f"dissimilar-{name}")
     points = study.points(False)[: None if name == "thresholds" else 1]
     _, kept = read_data(study.name)
     for point, written in zip(points, kept, strict=name == "thresholds"):

@@ -204,9 +204,9 @@ def test_tables_of_regimes():
     row = threshold_row(THIRD)
     names = ("preload_nucleation", "gap", "stuck_front", "remote_nucleation", "edge")
     assert [row[name] for name in names] == sorted(row[name] for name in names)
-    one, other = (reverse_row(nu) for nu in (-0.5, 0.0))
-    assert one["threshold"] > other["threshold"] > 0
-    assert one["half_width"] > other["half_width"] > 0
+    first, other = (reverse_row(nu) for nu in (-0.5, 0.0))
+    assert first["threshold"] > other["threshold"] > 0
+    assert first["half_width"] > other["half_width"] > 0
 
 
 def expected(loading, chi, curves):

@@ -13,7 +13,7 @@ from docs.studies.stability.marches import RAN, fem_points, fem_row, march_point
 def test_finite_elements_stop_above_the_critical_step_and_say_what_to_change():
     """Energy is not gained where the contact closes again."""
     points = fem_points(True)
-    above = next(one for one in points if one[0] == "step" and one[3]["step_ratio"] == 1.05)
+    above = next(point for point in points if point[0] == "step" and point[3]["step_ratio"] == 1.05)
     # a run of few steps takes a multiple of four of them, which shortens each
     stopped = fem_row(*above[:3], above[3] | {"step_ratio": 1.15})
     reclosed = fem_row(*points[-1])
@@ -57,8 +57,8 @@ def test_what_the_page_says_of_marches():
     """Refused steps, and no drift, at the full resolution."""
     _, rows = read_data("stability-space-time")
     found = {(row["study"], row["case"], float(row["parameter"])): row for row in rows}
-    steps = [one for study, case, one in found if (study, case) == ("step ratio", "damping 0.7")]
-    refused = [one for one in steps if found["step ratio", "damping 0.7", one]["status"] != RAN]
+    steps = [item for study, case, item in found if (study, case) == ("step ratio", "damping 0.7")]
+    refused = [step for step in steps if found["step ratio", "damping 0.7", step]["status"] != RAN]
     assert refused == [0.7, 0.75, 0.8]
     times = [float(row["error"]) for row in rows if row["study"] == "end time"]
     assert times == sorted(times, reverse=True)

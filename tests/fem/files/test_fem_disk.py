@@ -36,9 +36,9 @@ def whole(mesh_cache, tmp_path_factory):
     return simulate(SCENE, **SMALL, snapshots=tmp_path_factory.mktemp("whole"))
 
 
-def assert_same_history(one, other):
+def assert_same_history(left, other):
     for name in FIELDS:
-        np.testing.assert_array_equal(getattr(one.interface, name), getattr(other.interface, name))
+        np.testing.assert_array_equal(getattr(left.interface, name), getattr(other.interface, name))
 
 
 def command(folder, *options):
@@ -153,7 +153,7 @@ def test_checkpoint_that_finds_no_room_ends_no_run(how, whole, tmp_path):
         make_room()
         seen = []
         again = simulate(
-            SCENE, resolution=16, **kept, resume=True, progress=lambda *one: seen.append(one[0])
+            SCENE, resolution=16, **kept, resume=True, progress=lambda *entry: seen.append(entry[0])
         )
     assert "checkpoint.h5" in told[0]
     assert seen[0] == 11  # the checkpoint before is there and sound
@@ -198,11 +198,11 @@ def test_fewer_frames_leave_none_of_the_run_before(tmp_path):
 
 
 def test_frame_put_in_from_another_run_is_refused(tmp_path):
-    one = simulate(SCENE, **SMALL, snapshots=tmp_path / "one")
+    simulation = simulate(SCENE, **SMALL, snapshots=tmp_path / "one")
     simulate(SCENE, **SMALL, damping=0.05, snapshots=tmp_path / "other")
     shutil.copy(tmp_path / "other" / "fields-0004.vtu", tmp_path / "one")
     with pytest.raises(DataFileError, match="of another run"):
-        last_frame(tmp_path / "one", one.run)
+        last_frame(tmp_path / "one", simulation.run)
 
 
 @pytest.mark.slow

@@ -11,10 +11,9 @@ from catalogue import UNIT
 
 import semianalytic as sf
 from fem import simulate
-from fem.model import prepare
 from fem.results import load_simulation
 from fem.run import levels
-from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted
+from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted, prepare
 
 
 @pytest.fixture(scope="module")
@@ -167,10 +166,10 @@ def test_mirrored_half_and_two_blocks_show_the_same_fields(scene, tmp_path):
         centre = frame.points[frame.cells[0].data].mean(axis=1).round(6)
         order = np.lexsort(centre.T)
         corners = frame.point_data["velocity"][frame.cells[0].data].mean(axis=1)
-        fields = [one[0] for _, one in sorted(frame.cell_data.items())]
+        fields = [value[0] for _, value in sorted(frame.cell_data.items())]
         frames.append([f[order] for f in (*fields, corners, centre)])
-    for one, two in zip(*frames, strict=True):
-        np.testing.assert_allclose(one, two, atol=1e-10)
+    for entry, two in zip(*frames, strict=True):
+        np.testing.assert_allclose(entry, two, atol=1e-10)
 
 
 def test_interrupted_run_leaves_a_valid_index(tmp_path):

@@ -110,12 +110,12 @@ def test_bodies_that_change_places_mirror_the_answer():
     def shear(x):
         return 0.2 + 0.6 * (abs(x - 0.3) < 0.5)
 
-    one = simulate_line(whole(SOFT, STIFF, sf.Coulomb(0.3), shear, opens=True), 0.8)
+    simulation = simulate_line(whole(SOFT, STIFF, sf.Coulomb(0.3), shear, opens=True), 0.8)
     other = simulate_line(whole(STIFF, SOFT, sf.Coulomb(0.3), lambda x: shear(-x), opens=True), 0.8)
     for name, sign in (("slip", 1), ("pressure", 1)):
         mirrored = np.roll(getattr(other, name)[:, ::-1], 1, axis=1)
-        assert getattr(one, name) == pytest.approx(sign * mirrored, abs=1e-12)
-    assert abs(one.pressure - 1).max() > 0.05
+        assert getattr(simulation, name) == pytest.approx(sign * mirrored, abs=1e-12)
+    assert abs(simulation.pressure - 1).max() > 0.05
 
 
 def test_one_body_is_enough_where_the_other_moves_oppositely():

@@ -35,7 +35,7 @@ def staircase(shear, history, heights, lower, far, end, step=1e-3):
     back = {"clamped": 1.0, "free": -1.0, "absorbing": 0.0}[far]
     impedance = [body.shear_impedance for body, _ in bodies]
     delay = [round(height / body.shear_speed / step) for body, height in bodies]
-    compliance = sum(1 / one for one in impedance)
+    compliance = sum(1 / ratio for ratio in impedance)
     times = np.arange(round(end / step) + 1) * step
     sent, rate = np.zeros((2, len(times))), np.zeros(len(times))  # u = T - s of each layer
     for n, t in enumerate(times):
@@ -316,7 +316,7 @@ def test_a_fault_of_the_finest_mesh_after_the_half_planes_is_found(judged, fault
     meshes[0] = replace(meshes[0], **{fault: factor * getattr(meshes[0], fault)})
     found = judge_specimen(plates, meshes, until)
     assert found.verdict == verdict
-    assert any(one.name.startswith(row) for one in found.having(verdict))
+    assert any(line.name.startswith(row) for line in found.having(verdict))
 
 
 def test_a_specimen_of_other_friction_differs_from_its_half_planes(judged):
@@ -340,7 +340,7 @@ def test_the_ends_of_a_specimen_are_felt_by_the_shortest_way():
 
 def test_a_specimen_whose_ends_are_felt_at_once_is_compared_with_no_half_plane():
     pushed = {"load": {"left_side": sf.Tractions(0.1, 0.0)}}
-    with pytest.raises(sf.SceneError, match="felt so soon"):
+    with pytest.raises(sf.SceneError, match="send waves so early"):
         sf.compare(pair(pushed, base=sf.Tractions(1.0, 0.0)), 1.0, size=0.05)
 
 

@@ -27,10 +27,10 @@ def half_line_slip_rate(
     _, weight, distance = phase_rule(slip_phase(compliance, friction), 1 / speed)
     velocity = np.asarray(velocity, dtype=float)
     rates = [
-        _slip_rate_behind(compliance, friction, (weight, distance), 1 / speed, 1 / one)
-        if one < speed
+        _slip_rate_behind(compliance, friction, (weight, distance), 1 / speed, 1 / rate)
+        if rate < speed
         else 0.0
-        for one in velocity.ravel()
+        for rate in velocity.ravel()
     ]
     return np.array(rates).reshape(velocity.shape)
 

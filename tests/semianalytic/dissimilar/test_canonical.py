@@ -120,9 +120,9 @@ def test_what_is_not_solved_between_two_bodies_is_refused(change, complaint):
 def impedance(body, k):
     """Tractions (tau, sigma) of the upper face per velocity (v_x, v_y) of one half-plane."""
     alpha, beta = np.sqrt(body.a**2 - k**2 + 0j), np.sqrt(body.b**2 - k**2 + 0j)
-    alpha, beta = (np.where(one.real < 0, -one, one) for one in (alpha, beta))
+    alpha, beta = (np.where(factor.real < 0, -factor, factor) for factor in (alpha, beta))
     bulk, q = alpha * beta + k**2, body.b**2 - 2 * k**2
-    z11, z22 = (body.modulus * one * body.b**2 / bulk for one in (alpha, beta))
+    z11, z22 = (body.modulus * factor * body.b**2 / bulk for factor in (alpha, beta))
     z12 = -body.modulus * k * (2 * alpha * beta - q) / bulk
     return np.array([[-z11, -z12], [z12, -z22]])
 
@@ -159,14 +159,14 @@ def test_far_out_digits_are_kept():
 
 def test_exchange_of_the_bodies_changes_the_sign_of_the_coupling_alone():
     bodies = compliance_of(*PAIRS["0"])
-    one, other = bodies.at(K), bodies.mirrored.at(K)
-    np.testing.assert_allclose(one.coupling, -other.coupling, rtol=1e-13)
-    np.testing.assert_allclose(one.determinant, other.determinant, rtol=1e-13)
+    first, other = bodies.at(K), bodies.mirrored.at(K)
+    np.testing.assert_allclose(first.coupling, -other.coupling, rtol=1e-13)
+    np.testing.assert_allclose(first.determinant, other.determinant, rtol=1e-13)
     assert bodies.mirrored.dundurs == pytest.approx(-bodies.dundurs, rel=1e-13)
 
 
 def test_units_do_not_matter():
-    one = compliance_of(Material(3e9, 1200.0, 0.3), Material(7e10, 2700.0, 0.33))
+    entries = compliance_of(Material(3e9, 1200.0, 0.3), Material(7e10, 2700.0, 0.33))
     other = compliance_of(Material(3.0, 1.2, 0.3), Material(70.0, 2.7, 0.33))
-    np.testing.assert_allclose(one.fronts, other.fronts, rtol=1e-14)
-    assert one.lower.modulus == pytest.approx(other.lower.modulus, rel=1e-14)
+    np.testing.assert_allclose(entries.fronts, other.fronts, rtol=1e-14)
+    assert entries.lower.modulus == pytest.approx(other.lower.modulus, rel=1e-14)

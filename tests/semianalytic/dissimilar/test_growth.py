@@ -57,7 +57,7 @@ def test_a_wave_front_is_not_taken_for_a_wave():
     that grows fastest."""
     bodies = compliance_of(Material(1.0, 1.0, 0.29), Material(0.08, 0.46, 0.42))
     known = [1.813793169911727 + 0.4086384367673271j, -0.6770412532623824 + 0.02726856400941844j]
-    assert [one.slowness for one in growing_waves(bodies, 1.76)] == pytest.approx(known, rel=1e-9)
+    assert [wave.slowness for wave in growing_waves(bodies, 1.76)] == pytest.approx(known, rel=1e-9)
 
 
 def test_waves_beyond_the_second_threshold_grow_slowly():
@@ -196,7 +196,7 @@ def test_thresholds(ratio, ahead, behind, below, above):
             digit = 0.6 * 10.0 ** -len(f"{known}".partition(".")[2]) if known >= 1e-3 else 2e-5
             assert thresholds.growth_threshold(bodies, direction) == pytest.approx(known, abs=digit)
     if above:
-        assert [count_growing(bodies.mirrored, one) for one in (below, above)] == [0, 1]
+        assert [count_growing(bodies.mirrored, answer) for answer in (below, above)] == [0, 1]
         assert below < thresholds.growth_threshold(bodies, -1) < above
 
 

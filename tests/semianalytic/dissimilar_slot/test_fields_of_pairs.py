@@ -55,7 +55,7 @@ def places(answer, count=200):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one not in FEW)) for one in KINDS]
+    "name", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in FEW)) for kind in KINDS]
 )
 def test_faces_move_and_carry_what_the_interface_does(name):
     answer = answer_of(name)
@@ -76,8 +76,8 @@ def test_slot_faces_carry_the_load_alone(name):
 def of_identical_bodies(friction=0.5, base=(2.4, 0.0), load=(-0.2, 1.0)):
     """The answers of both solvers; to a scene that opens unless told otherwise."""
     base, load = Tractions(*base), Tractions(*load)
-    one = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
-    return one, coupled(Scene(SOLID, friction, base, load, lower_material=SOLID), 1e-9)
+    answer = solve(Scene(SOLID, friction, base, load), rtol=1e-10)
+    return answer, coupled(Scene(SOLID, friction, base, load, lower_material=SOLID), 1e-9)
 
 
 @pytest.mark.thinned(4)
@@ -91,10 +91,10 @@ def of_identical_bodies(friction=0.5, base=(2.4, 0.0), load=(-0.2, 1.0)):
     ],
 )
 def test_identical_bodies_have_the_fields_of_the_other_solver(given):
-    one, two = of_identical_bodies(*given)
+    first, two = of_identical_bodies(*given)
     at = *np.random.default_rng(1).uniform(-2, 2, (2, 300)), 1.0
     for field in ("velocity", "stress", "displacement"):
-        known = getattr(one, field)(*at)
+        known = getattr(first, field)(*at)
         np.testing.assert_allclose(getattr(two, field)(*at), known, rtol=1e-9, atol=1e-9)
 
 
@@ -104,7 +104,7 @@ def test_exchanged_bodies_have_mirrored_fields(name):
     answer = answer_of(name)
     pair, far = answer.scene, max(speeds(answer.scene))
     # seen from below y points the other way: sigma_xy changes its sign, sigma_yy does not
-    base, load = (Tractions(one.pressure, -one.shear) for one in (pair.base, pair.load))
+    base, load = (Tractions(entry.pressure, -entry.shear) for entry in (pair.base, pair.load))
     upper, lower = pair.bodies
     other = solve(replace(pair, material=lower, lower_material=upper, base=base, load=load))
     x, y = np.random.default_rng(3).uniform(-far, far, (2, 40))
@@ -199,8 +199,8 @@ def test_error_of_fields_is_honest_on_random_pairs(seed):
         if len(answer.zones) != len(fine.zones):
             continue
         for field, unit in (("velocity", impedance), ("stress", 1.0)):
-            one, other = (unit * getattr(a, field)(x, y, 1.0) for a in (answer, fine))
-            error = np.abs(one - other) / (fine.stress_unit + np.abs(other))
+            first, other = (unit * getattr(a, field)(x, y, 1.0) for a in (answer, fine))
+            error = np.abs(first - other) / (fine.stress_unit + np.abs(other))
             assert error.max() < answer.field_error < 10 * rtol
 
 
@@ -241,10 +241,10 @@ def test_differences_of_solutions_agree(name, parameter):
     assert derivative.status == "converged"
     for end in ("inner", "outer"):
         found = [getattr(zone, end) for zone in derivative.zones]
-        edges = weights @ [[getattr(zone, end) for zone in one.zones] for one in beside]
+        edges = weights @ [[getattr(zone, end) for zone in station.zones] for station in beside]
         np.testing.assert_allclose(found, edges, rtol=1e-5, atol=1e-7)
     for field in INTERFACE_FIELDS:
-        expected = weights @ np.array([getattr(one, field)(x, 1.0) for one in beside])
+        expected = weights @ np.array([getattr(station, field)(x, 1.0) for station in beside])
         size = np.abs(expected).max()
         np.testing.assert_allclose(
             getattr(derivative, field)(x, 1.0), expected, atol=2e-6 * (size or 1.0)
@@ -270,7 +270,7 @@ def test_answers_are_homogeneous(name, parameters, degrees):
     """Euler: the sum of parameters times derivatives is the field times its degree."""
     answer = answer_of(name, 1e-9)
     x, pair = positions(answer), answer.scene
-    parts = [(numbers_of(pair)[one].value, derivative_of(name, one)) for one in parameters]
+    parts = [(numbers_of(pair)[entry].value, derivative_of(name, entry)) for entry in parameters]
     for field, degree in zip(INTERFACE_FIELDS, degrees, strict=True):
         total = sum(value * getattr(derivative, field)(x, 1.0) for value, derivative in parts)
         values = getattr(answer, field)(x, 1.0)

@@ -95,8 +95,8 @@ def test_two_zones():
     result = placed(known, start)
     speeds = 1 / np.array(edges_of(result.zones))
     np.testing.assert_allclose(speeds, [1.16734526, 0.98407487, 0.93325727], atol=6e-9)
-    one, other = (edge_exponents(known, None, zone, None) for zone in result.zones)
-    assert (*one, other[0]) == pytest.approx((-0.3887, -0.4247, -0.4326), abs=6e-5)
+    first, other = (edge_exponents(known, None, zone, None) for zone in result.zones)
+    assert (*first, other[0]) == pytest.approx((-0.3887, -0.4247, -0.4326), abs=6e-5)
 
 
 @pytest.mark.thinned(2)

@@ -77,7 +77,7 @@ def test_adhesion_without_strength_is_none():
         runs.append(one_run(face, 2.5, 64))
     assert runs[0].interface.gap.max() > 0.1
     for name in ("gap", "pressure", "slip", "shear_traction"):
-        assert np.array_equal(*(getattr(one.interface, name) for one in runs))
+        assert np.array_equal(*(getattr(run.interface, name) for run in runs))
 
 
 def test_what_has_parted_carries_no_tension_when_it_has_closed():

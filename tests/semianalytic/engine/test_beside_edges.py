@@ -25,7 +25,7 @@ def slotted(upper, friction, length, parts, nodes, load=(0.0, 1.0), **given):
 def held(pair, load, nodes, side=1, friction=0.005):
     """Two bodies glued on x > 0 (side 1) or x < 0, load (P_0, Q_0) on the slot."""
     upper, lower = pair
-    length = 2 * max(one.longitudinal_speed for one in pair) + 4
+    length = 2 * max(body.longitudinal_speed for body in pair) + 4
     parts = [(0.0, math.inf)] if side > 0 else [(-math.inf, 0.0)]
     return slotted(upper, friction, length, parts, nodes, load, lower_material=lower)
 
@@ -83,7 +83,7 @@ def test_identical_bodies_are_read_as_well(mode):
 def test_slip_and_gap_of_the_slot_do_not_depend_on_the_grid():
     """Raw values, at the places of nodes, change by 2 % from 128 to 256 nodes."""
     runs = [held(PAIRS["0"], (0.5, 1.0), nodes, friction=0.3) for nodes in (128, 256)]
-    coarse, fine = (one.beside_edge(0.0) for one in runs)
+    coarse, fine = (run.beside_edge(0.0) for run in runs)
     for name, limit in (("slip", 0.002), ("gap", 0.01)):
         place, values = coarse.slot_distance[:6], getattr(coarse, name)[:6]
         other = np.interp(place, fine.slot_distance, getattr(fine, name))

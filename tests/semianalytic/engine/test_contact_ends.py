@@ -32,11 +32,11 @@ def punch():
     return scene_along(solid, sf.Coulomb(0.4), 20.0, **shape)
 
 
-def off(one, truth):
+def off(first, truth):
     """Relative L1 error of slip on the contact at the end."""
-    inside = np.abs(one.interface.x) < 2
-    exact = np.interp(one.interface.x[inside], truth.interface.x, truth.interface.slip[-1])
-    return np.abs(one.interface.slip[-1][inside] - exact).sum() / np.abs(exact).sum()
+    inside = np.abs(first.interface.x) < 2
+    exact = np.interp(first.interface.x[inside], truth.interface.x, truth.interface.slip[-1])
+    return np.abs(first.interface.slip[-1][inside] - exact).sum() / np.abs(exact).sum()
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_a_moved_grid_has_ends_closer_to_their_places(begin, width, quarter):
     grids = [Grid(length, n, True, shift=shift) for n in (nodes, nodes // 2)]
     np.testing.assert_allclose((grids[0].x[::2] + grids[0].x[1::2]) / 2, grids[1].x, atol=1e-12)
     shorter = contact.shortened(length, nodes, shift)
-    seen, found = (np.flatnonzero(one.touches(grids[1].x)) for one in (contact, shorter))
+    seen, found = (np.flatnonzero(contact_.touches(grids[1].x)) for contact_ in (contact, shorter))
     if len(seen) > 3:
         for end, first, sign in zip(contact.intervals[0], (0, -1), (-1, 1), strict=True):
             place = (end - shift) / spacing
@@ -103,22 +103,22 @@ def test_a_grid_is_moved_with_the_interface(nodes):
             sf.Material(1.0, 1.0, 0.3), sf.Coulomb(0.4), 20.0, contact=contact, **base
         )
 
-    one, other = (
+    first, other = (
         sf.solve(face(by), end_time=END, nodes=nodes, times=[END]) for by in (0.0, 0.0177)
     )
-    assert other.shift != one.shift != 0
-    assert one.contact_misfit == pytest.approx(other.contact_misfit, abs=1e-9)
-    assert one.contact_misfit < (0.05 if nodes is None else 0.3)
-    on = one.interface.touching
+    assert other.shift != first.shift != 0
+    assert first.contact_misfit == pytest.approx(other.contact_misfit, abs=1e-9)
+    assert first.contact_misfit < (0.05 if nodes is None else 0.3)
+    on = first.interface.touching
     steps = round(
-        (other.interface.x[other.interface.touching][0] - 0.0177 - one.interface.x[on][0])
-        / (20 / one.nodes)
+        (other.interface.x[other.interface.touching][0] - 0.0177 - first.interface.x[on][0])
+        / (20 / first.nodes)
     )
     assert steps == 0
     np.testing.assert_allclose(
-        other.interface.slip[-1][other.interface.touching], one.interface.slip[-1][on], atol=1e-9
+        other.interface.slip[-1][other.interface.touching], first.interface.slip[-1][on], atol=1e-9
     )
-    for name, error in one.error_estimates.items():
+    for name, error in first.error_estimates.items():
         assert error == pytest.approx(other.error_estimates[name], rel=1e-3), name
 
 
@@ -210,9 +210,9 @@ def test_long_steps_beside_slots_give_the_answer_of_short_ones(contact, plate):
     assert found.steps < fine.steps / 5
     on = found.interface.touching
     for name, limit in (("slip", 2e-3), ("shear_traction", 2e-3), ("slip_rate", 5e-3)):
-        one, other = getattr(found.interface, name), getattr(fine.interface, name)
+        first, other = getattr(found.interface, name), getattr(fine.interface, name)
         change = other - (3e6 if name == "shear_traction" else 0)
-        assert np.abs(one - other)[:, on].sum() < limit * np.abs(change)[:, on].sum()
+        assert np.abs(first - other)[:, on].sum() < limit * np.abs(change)[:, on].sum()
     slots = (
         np.abs(found.interface.slip - fine.interface.slip)[:, ~on].sum()
         / np.abs(fine.interface.slip)[:, ~on].sum()

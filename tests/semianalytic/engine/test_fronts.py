@@ -181,7 +181,7 @@ def slipping(wave, upper, lower):
     k = -wave.slowness(source) * (1 - 1e-14j) + 0j
     entries = compliance_of(upper, lower).at(np.array([k * upper.shear_speed]))
     scale = entries.rayleigh[0] * upper.shear_impedance
-    b, kd, a = (one[0] / scale for one in (entries.tangential, entries.coupling, entries.normal))
+    b, kd, a = (term[0] / scale for term in (entries.tangential, entries.coupling, entries.normal))
     pressure, shear = bonded_tractions(wave, upper, lower)
     # [V, U] = C ([tau, sigma] of the bonded line less [0, sigma]) with U = 0
     sigma = -pressure - kd / a * shear
@@ -209,8 +209,8 @@ def test_a_wave_meets_faces_that_slide_freely(wave):
     share = np.clip(0.5 + (done.interface.x[near] - at - end / slow) / width, 0, 1)
     rate, pressure = slipping(wave, HARD, SOFT)
     found = done.interface.slip_rate[0][near], done.interface.pressure[0][near] - 1.0
-    for one, size in zip(found, (rate.real, pressure.real), strict=True):
-        assert np.abs(one - size * share).sum() < 0.011 * np.abs(size * share).sum()
+    for answer, size in zip(found, (rate.real, pressure.real), strict=True):
+        assert np.abs(answer - size * share).sum() < 0.011 * np.abs(size * share).sum()
 
 
 def test_a_wave_beyond_a_critical_angle_shows_before_its_front():

@@ -116,7 +116,7 @@ def test_what_is_called_even_has_to_be(changes, what):
         (lambda: sf.InterfaceLoad(pressure=1.0, history=None), "`pressure` must be a function of"),
         (lambda: sf.InterfaceLoad(pressure="low"), "load: pressure must be a number"),
         (lambda: sf.ForcedFront(0.6, 0.2, arrival=1.0, fall=-1.0), "fall must be 0 or more"),
-        (lambda: sf.solve(face(), end_time=-1.0), "end_time must be positive"),
+        (lambda: sf.solve(face(), end_time=-1.0), "end_time must be above 0"),
         (
             lambda: sf.solve(face(), end_time=1.0, nodes=64, times=[math.nan]),
             "times must lie between 0 and the end time",

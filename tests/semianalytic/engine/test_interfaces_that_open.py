@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import semianalytic as sf
 from docs.studies.accuracy.engine import beside_slot
 from docs.studies.lines import scene_along
-from semianalytic.engine.run import run
+from semianalytic.engine.march import march
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
@@ -52,7 +52,7 @@ def test_a_whole_face_lifts_flies_and_lands():
     """Pressure 1 - 3 until t = 1: the gap grows at 2/Z, then shrinks at 1/Z until t = 3."""
     load = sf.InterfaceLoad(pressure=-3.0, history=sf.Pulse(1.0))
     face = scene_along(SOLID, sf.Coulomb(0.5), 8.0, loads=[load])
-    done = run(face, 4.0, 32, times=[0.5, 1.0, 2.0, 2.9, 3.5], estimate=False)
+    done = march(face, 4.0, 32, times=[0.5, 1.0, 2.0, 2.9, 3.5], estimate=False)
     assert done.interface.gap[:4, 0] * STIFF == pytest.approx([1.0, 2.0, 1.0, 0.1], abs=1e-12)
     assert np.ptp(done.interface.gap, axis=1).max() < 1e-14
     assert (done.interface.pressure[:4] == 0).all()
@@ -71,7 +71,7 @@ def test_a_slot_under_slow_pressure_has_the_static_width():
     contact = sf.Contact([(-math.inf, -1.0), (1.0, math.inf)])
     face = scene_along(SOLID, sf.Coulomb(0.5), length, 9.0, loads=[load], contact=contact,
                         even=True)  # fmt: skip
-    done = run(face, 50.0, 128, step_ratio=0.5, times=[50.0], estimate=False)
+    done = march(face, 50.0, 128, step_ratio=0.5, times=[50.0], estimate=False)
     slot = ~done.interface.touching
     ratio = np.cos(np.pi * done.interface.x[slot] / length) / np.cos(np.pi / length)
     known = -2 * (2 / 3) * pressure * length / np.pi * np.arccosh(ratio)
@@ -93,7 +93,7 @@ def test_opening_beside_a_slot_against_the_exact_solver(name, nodes, most):
     exact = sf.solve(scene)
     errors = []
     for count in (nodes // 2, nodes):
-        done = run(face, 1.0, count, times=[1.0], estimate=False)
+        done = march(face, 1.0, count, times=[1.0], estimate=False)
         errors.append({})
         for field in most:
             # the pressure at the edge is singular, and converges with the root of the spacing
@@ -199,7 +199,7 @@ def test_long_steps_end_where_the_contact_opens():
     )
     film = sf.Coulomb(0.9, viscosity=1e10)
     fault = scene_along(rock, film, 16.0, 5e6, 3e6, [fall], held=32.0, even=True)
-    done = run(fault, 0.314, 64, estimate=False, frames=10**4)
+    done = march(fault, 0.314, 64, estimate=False, frames=10**4)
     shortest, steps = 0.4 * 0.25 / rock.shear_speed, np.diff(done.interface.t)
     opened = done.interface.gap[1:].max(axis=1) > 0
     assert opened.any()
@@ -218,7 +218,7 @@ def test_rate_and_state_opens_after_long_steps():
     fault = scene_along(
         rock, law, 16.0, 5e6, 3e6, loads, rate=1e-6, plate_rate=1e-6, held=32.0, even=True
     )
-    done = run(fault, 0.501, 64, estimate=False)
+    done = march(fault, 0.501, 64, estimate=False)
     assert np.diff(done.totals.t).max() > 1e-2
     assert np.isfinite(done.interface.slip).all()
     assert done.interface.gap[done.interface.t <= 0.5].max() == 0 < done.interface.gap[-1].max()
@@ -227,7 +227,7 @@ def test_rate_and_state_opens_after_long_steps():
 
 def test_estimates_cover_gap_and_pressure():
     _, face = beside_slot("tap")
-    done = run(face, 1.0, 512, times=[1.0])
+    done = march(face, 1.0, 512, times=[1.0])
     exact = sf.solve(sf.find("tap"))
     near = (done.interface.x > 0) & (done.interface.x < 2.2)
     known = exact.gap(done.interface.x[near], 1.0)
@@ -235,13 +235,13 @@ def test_estimates_cover_gap_and_pressure():
     assert error < done.error_estimates["gap"] < 3 * error
     assert 0.01 < done.error_estimates["pressure"] < 0.2
     assert done.status == "done"
-    assert run(face, 1.0, 64, times=[1.0]).status.startswith("unresolved: the gap may be off")
+    assert march(face, 1.0, 64, times=[1.0]).status.startswith("unresolved: the gap may be off")
 
 
 def test_without_loads_of_pressure_nothing_opens():
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
     contact = sf.Contact([(-2.0, 2.0)])
-    done = run(scene_along(SOLID, sf.Coulomb(0.5), 8.0, 0.7, loads=[load], contact=contact),
+    done = march(scene_along(SOLID, sf.Coulomb(0.5), 8.0, 0.7, loads=[load], contact=contact),
                0.5, 32)  # fmt: skip
     assert not done.scene.may_open
     assert (done.interface.gap == 0).all()

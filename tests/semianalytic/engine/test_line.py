@@ -19,7 +19,7 @@ UNIT = sf.Material(1.0, 1.0, 1 / 3)
 
 @pytest.mark.parametrize("z", [1e-6j - 1e-7, 0.0999 - 0.001j, -0.1001 + 0j, -3 + 2j, -500 + 1j])
 def test_phi_functions_keep_all_digits(z):
-    grown, first, second = (one[0] for one in phi(np.array([z])))
+    grown, first, second = (value[0] for value in phi(np.array([z])))
     with mpmath.workdps(40):
         exact = mpmath.mpc(z)
         power = mpmath.exp(exact)
@@ -130,12 +130,12 @@ def test_steps_beyond_the_stable_range_are_refused(poisson, stable):
         contact=sf.Contact([(-2.0, -0.5), (0.5, 2.0)]),
         loads=[sf.InterfaceLoad(0.5, on="slot")],
     )
-    fine, coarse = (one_run(scene, 4.0, 64, step_ratio=one) for one in (0.2, stable))
+    fine, coarse = (one_run(scene, 4.0, 64, step_ratio=step) for step in (0.2, stable))
     largest = np.abs(fine.interface.slip_rate).max()
     assert np.abs(coarse.interface.slip_rate).max() < 1.1 * largest
     assert (
         np.abs(coarse.interface.slip[-1] - fine.interface.slip[-1]).max()
         < 0.01 * fine.interface.slip.max()
     )
-    with pytest.raises(sf.SceneError, match="run: `step_ratio` is beyond the stable range"):
+    with pytest.raises(sf.SceneError, match="march: `step_ratio` is beyond the stable range"):
         sf.solve(scene, end_time=4.0, nodes=64, step_ratio=10.0 if poisson < 0 else stable + 0.15)

@@ -65,7 +65,7 @@ def test_estimates_of_traction_do_not_hang_on_the_stored_frames():
     stored = [
         sf.solve(patch(True), end_time=3.0, nodes=256, times=at) for at in ([0.0, 3.0], [3.0])
     ]
-    errors = [one.error_estimates["shear_traction"] for one in stored]
+    errors = [level.error_estimates["shear_traction"] for level in stored]
     assert max(errors) < 0.02
 
 
@@ -81,5 +81,5 @@ def test_a_run_that_cannot_be_saved_leaves_the_earlier_file(tmp_path, monkeypatc
     with pytest.raises(sf.DataFileError, match="No space left"):
         done.save(path)
     monkeypatch.undo()
-    assert [one.name for one in tmp_path.iterdir()] == ["run.h5"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
     assert sf.Marched.load(path, done.scene).interface.slip == pytest.approx(done.interface.slip)

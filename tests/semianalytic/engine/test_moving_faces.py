@@ -13,12 +13,12 @@ from semianalytic.engine.bodies.marched_bodies import MarchedBodies
 from semianalytic.engine.bodies.motion import Levels, Motion, MotionRecord
 from semianalytic.engine.bodies.spectrum import terms_of
 from semianalytic.engine.bodies.transfer import decays, potentials
+from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.run import run
 from semianalytic.field.plane_wave import plane_wave
 
 SOLID, UPPER, LOWER = (
-    sf.Material(*one) for one in ((1.0, 1.0, 1 / 3), (1.0, 1.0, 0.25), (2.5, 1.2, 0.25))
+    sf.Material(*number) for number in ((1.0, 1.0, 1 / 3), (1.0, 1.0, 0.25), (2.5, 1.2, 0.25))
 )
 Q, S, DEPTH = 1.5, np.array(0.7 + 2.3j), 0.4
 # v_x, v_y, e_xx, e_yy, gamma_xy per unit rate: of bodies, the lower one or not, slip or opening
@@ -42,9 +42,9 @@ def sent(asked, body, waves):
     at = {name: wave * np.exp(-(a if name == "P" else b) * DEPTH) for name, wave in waves.items()}
     return [
         sum(
-            one.coefficient * (1j * Q) ** one.turns * at[one.wave]
-            * one.factor(Q, a if one.wave == "P" else b, S)
-            for one in row
+            entry.coefficient * (1j * Q) ** entry.turns * at[entry.wave]
+            * entry.factor(Q, a if entry.wave == "P" else b, S)
+            for entry in row
         )
         for row in terms_of(asked, body)
         if row[0].wave in at
@@ -59,20 +59,20 @@ def test_waves_of_moving_faces_have_the_values_of_another_computation(case):
     waves = dict(zip("PS", potentials(bodies, lower, Q, S, bool(drive)), strict=True))
     found = np.array([*sent("velocity", own, waves), *sent("strain", own, waves)])
     found *= np.where(lower, [1, -1, 1, 1, -1], 1) * [1, 1, 1, 1, 2]
-    known = np.array([complex(one) for one in WAVES[case].split()])
+    known = np.array([complex(wave) for wave in WAVES[case].split()])
     np.testing.assert_allclose(found[: len(known)], known, atol=1e-10)
 
 
 def test_waves_along_z_and_of_bodies_that_are_equal():
     (velocity,), strains = (sent(asked, SOLID, {"Z": 0.5}) for asked in ("velocity", "strain"))
-    found = [velocity, *(2 * one for one in strains)]
+    found = [velocity, *(2 * strain for strain in strains)]
     known = [0.2618261411 - 0.2342138567j, 0.1988278091 - 0.0922353560j]
     np.testing.assert_allclose(found, [*known, -0.1875758324 + 0.2291572215j], atol=1e-10)
     for case in product((False, True), (False, True)):
-        one, two = (
+        single, two = (
             potentials(bodies, case[0], Q, S, case[1]) for bodies in ((SOLID,), (SOLID,) * 2)
         )
-        np.testing.assert_allclose(np.array(one), np.array(two), atol=1e-14)
+        np.testing.assert_allclose(np.array(single), np.array(two), atol=1e-14)
 
 
 def test_joined_steps_keep_what_has_moved_and_levels_too(monkeypatch):
@@ -96,13 +96,13 @@ def marched(name, nodes, **settings):
     scene = sf.find(name)
     if not scene.on_line:
         scene = replace(scene, period=12.0 if name == "pair-slip" else 10.0)
-    return run(scene, settings.pop("end_time", 1.0), nodes, **settings)
+    return march(scene, settings.pop("end_time", 1.0), nodes, **settings)
 
 
 def test_a_point_beside_a_slip_zone_comes_to_the_digits_of_another_computation():
-    one = marched("preloaded", 1024, estimate=False)
-    strain = one.strain(0.4, 0.2, 1.0) * [1, 1, 2]
-    found = [*one.velocity(0.4, 0.2, 1.0), *strain]
+    march = marched("preloaded", 1024, estimate=False)
+    strain = march.strain(0.4, 0.2, 1.0) * [1, 1, 2]
+    found = [*march.velocity(0.4, 0.2, 1.0), *strain]
     exact = [0.300986, 0.095281, -0.364188, 0.162481, -0.106349]
     np.testing.assert_allclose(found, exact, atol=6e-5)
 
@@ -121,15 +121,15 @@ def test_a_slot_is_the_same_beside_a_half_line_and_on_a_line():
     """Both marches, their readings and their bodies, on nodes of one distance."""
     scene, t = sf.find("ramp"), 0.9
     beside = sf.solve(scene, nodes=100, end_time=1.0)
-    along = run(replace(scene, period=8.0), 1.0, nodes=400)
+    along = march(replace(scene, period=8.0), 1.0, nodes=400)
     places = np.array([-0.4, 0.2, 0.5, 0.3]), np.array([0.2, 0.3, -0.25, -0.1])
     for name in ("velocity", "stress", "displacement"):
-        one, other = (getattr(each, name)(*places, t) for each in (beside, along))
-        assert np.abs(one - other).max() < 1e-3 * np.abs(one).max(), name
-    one, other = (each.reading([0.1, 0.3, 0.6], t) for each in (beside, along))
-    measured = [(getattr(one, name), getattr(other, name)) for name in ("slip", "slip_rate", "gap")]
-    for first, second in [*measured, (one.arrivals["slip"], other.arrivals["slip"])]:
-        assert (np.abs(first.value - second.value) <= first.error + second.error).all()
+        slot, line = (getattr(each, name)(*places, t) for each in (beside, along))
+        assert np.abs(slot - line).max() < 1e-3 * np.abs(slot).max(), name
+    slot, line = (each.reading([0.1, 0.3, 0.6], t) for each in (beside, along))
+    measured = [(getattr(slot, of), getattr(line, of)) for of in ("slip", "slip_rate", "gap")]
+    for pair in [*measured, (slot.arrivals["slip"], line.arrivals["slip"])]:
+        assert np.all(np.abs(pair[0].value - pair[1].value) <= pair[0].error + pair[1].error)
 
 
 @pytest.mark.parametrize("load", [0.0, 0.05])
@@ -150,8 +150,8 @@ def test_where_nothing_slips_the_bodies_carry_what_is_in_place(load):
 @pytest.mark.parametrize(("name", "nodes", "known"), TABLE)
 def test_fields_are_as_exact_as_the_march(name, nodes, known):
     """Against self-similar fields, and within the difference from half the nodes."""
-    one, exact = marched(name, nodes), sf.solve(name)
-    assert one.companion is not None
+    item, exact = marched(name, nodes), sf.solve(name)
+    assert item.companion is not None
     x, speed = np.random.default_rng(7).uniform(-1.6, 1.9, 80), exact.scene.material.shear_speed
     t, solid = np.array([[0.5], [0.75], [1.0]]), exact.scene.material
     place = x * speed * t
@@ -160,59 +160,59 @@ def test_fields_are_as_exact_as_the_march(name, nodes, known):
         (0.01, 0.05, 0.2, 0.5), known[::2], known[1::2], strict=True
     ):
         at = place, share * speed * t, t
-        near = share * speed < one.nearest_depth * 2  # at t = .5
+        near = share * speed < item.nearest_depth * 2  # at t = .5
         true = exact.velocity(*at)
         kept = np.isfinite(true).all(axis=0) & np.isfinite(exact.stress(*at)).all(axis=0)
 
         def off(found, known, kept=kept, weights=1):
             return float((weights * np.abs(found - known))[:, kept].sum())
 
-        error = off(one.velocity(*at), true)
+        error = off(item.velocity(*at), true)
         assert error < 0.012 * velocity * off(true, 0.0)
         if not near:
             changed = exact.stress(*at) - exact.stress(*at[:2], 0.0 * t)
             right = sf.strain(changed, solid)
-            wrong = off(one.strain(*at), right, weights=weights)
+            wrong = off(item.strain(*at), right, weights=weights)
             assert wrong < 0.012 * strain * off(right, 0.0, weights=weights)
-            assert error < float(one.error_of(lambda run, at=at: run.velocity(*at))[:, kept].sum())
+            assert error < float(item.error_of(lambda run, at=at: run.velocity(*at))[:, kept].sum())
 
 
 def test_motion_and_stress_obey_the_equation_of_motion():
-    one, h = marched("supershear", 512, end_time=8.0, estimate=False), 0.02
+    march, h = marched("supershear", 512, end_time=8.0, estimate=False), 0.02
     x, y, t = np.array([[-3.0], [1.0], [4.0]]), np.array([1.5, -2.5]), 7.0
 
     def slope(field, dx, dy, dt):
         ends = (field(x + s * dx * h, y + s * dy * h, t + s * dt * h) for s in (1, -1))
         return np.subtract(*ends) / (2 * h)
 
-    along, across = slope(one.stress, 1, 0, 0), slope(one.stress, 0, 1, 0)
+    along, across = slope(march.stress, 1, 0, 0), slope(march.stress, 0, 1, 0)
     forces = np.array([along[0] + across[2], along[2] + across[1]])
-    pull = slope(one.velocity, 0, 0, 1)
+    pull = slope(march.velocity, 0, 0, 1)
     assert np.abs(forces - pull).max() < 0.02 * np.abs(pull).max()
-    moving = slope(one.displacement, 0, 0, 1)
-    velocity = one.velocity(x, y, t)
+    moving = slope(march.displacement, 0, 0, 1)
+    velocity = march.velocity(x, y, t)
     assert np.abs(velocity - moving).max() < 0.01 * np.abs(velocity).max()
 
 
 def test_a_picture_is_that_of_its_gauges_in_both_bodies():
-    one = marched("rock-on-gouge", 128, end_time=1e-3, estimate=False)
-    x, y, t = np.linspace(-1, 1, 5), np.linspace(-1.9, 1.9, 20)[:, None], one.motion.t[-8]
-    picture = one.velocity(x, y, t)
+    march = marched("rock-on-gouge", 128, end_time=1e-3, estimate=False)
+    x, y, t = np.linspace(-1, 1, 5), np.linspace(-1.9, 1.9, 20)[:, None], march.motion.t[-8]
+    picture = march.velocity(x, y, t)
     for row in (3, 14):
-        gauges = one.velocity(x[:, None], y[row], np.linspace(0, t, 400))[..., -1]
+        gauges = march.velocity(x[:, None], y[row], np.linspace(0, t, 400))[..., -1]
         np.testing.assert_allclose(picture[:, row], gauges, atol=1e-3 * np.abs(picture).max())
 
 
 def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     scene = replace(sf.find("preloaded"), period=10.0)
-    at, whole = (0.3, 0.8, [0.7, 0.9]), run(scene, 1.0, 128)
-    part = run(scene, 0.6, 128, latest=1.0)
-    gone = run(scene, 1.0, 128, go_on=part)
+    at, whole = (0.3, 0.8, [0.7, 0.9]), march(scene, 1.0, 128)
+    part = march(scene, 0.6, 128, latest=1.0)
+    gone = march(scene, 1.0, 128, go_on=part)
     np.testing.assert_allclose(gone.stress(*at), whole.stress(*at), atol=1e-5)
     whole.save(tmp_path / "run.h5")
     loaded = Marched.load(tmp_path / "run.h5")
     assert loaded.stress(*at).tolist() == whole.stress(*at).tolist()
-    estimate = loaded.error_of(lambda one: one.stress(*at))
+    estimate = loaded.error_of(lambda march: march.stress(*at))
     assert np.all((estimate > 0) & (estimate < 0.2))
     assert 0 < loaded.field_error < 0.1
 
@@ -250,7 +250,7 @@ def test_the_window_of_an_event_is_part_of_the_whole(name, monkeypatch):
 def test_an_incident_wave_goes_through_two_bodies_that_hold():
     wave = sf.FrontLoad(sf.IncidentWave("P", 20.0, stress=0.1), at=-1.0)
     pair = replace(sf.find("pair-slip"), friction=sf.Coulomb(0.3, cohesion=9.0), load=wave)
-    one = run(replace(pair, period=8.0, contact=sf.Contact()), 0.5, 64, estimate=False)
+    one = march(replace(pair, period=8.0, contact=sf.Contact()), 0.5, 64, estimate=False)
     at = np.array([0.1, -0.3]), np.array([0.3, -0.4]), np.array(0.4)
     there = at[0] + 1.0, *at[1:]
     alone = plane_wave(wave.front, pair.bodies, "velocity", there, wave.history)[:2]
@@ -260,14 +260,14 @@ def test_an_incident_wave_goes_through_two_bodies_that_hold():
 
 def test_base_that_varies_along_x_is_left_out_of_stress():
     scene = sf.find("tpv205")
-    stress = run(scene, 0.5, 64, estimate=False).stress([0.0, 9e3], 5e3, 0.0)
+    stress = march(scene, 0.5, 64, estimate=False).stress([0.0, 9e3], 5e3, 0.0)
     assert stress[2].tolist() == [0.0, 0.0]
     assert stress[1].tolist() == [-scene.base.pressure] * 2
 
 
 def test_faces_move_apart_by_slip_that_the_plates_carry():
-    one = marched("rate-and-state", 64, end_time=0.5, estimate=False)
-    x = one.interface.x[4:20]
-    for name, rate in (("velocity", one.interface.slip_rate), ("displacement", one.interface.slip)):
-        apart = np.subtract(*(getattr(one, name)(x, y, one.end_time)[0] for y in (0.0, -0.0)))
+    end = marched("rate-and-state", 64, end_time=0.5, estimate=False)
+    x = end.interface.x[4:20]
+    for name, rate in (("velocity", end.interface.slip_rate), ("displacement", end.interface.slip)):
+        apart = np.subtract(*(getattr(end, name)(x, y, end.end_time)[0] for y in (0.0, -0.0)))
         np.testing.assert_allclose(apart, rate[-1, 4:20], rtol=0.01)

@@ -34,9 +34,9 @@ def test_even_and_whole_lines_agree(contact, opens):
     right = whole.interface.x >= 0
     count = right.sum()  # x = -length/2 is the last node of the even half
     for field in ("slip", "pressure", "gap"):
-        one, other = (getattr(each.interface, field) for each in (half, whole))
-        assert np.abs(one).max() > 0 or not opens
-        assert np.abs(one[:, :count] - other[:, right]).max() < 1e-13
+        first, other = (getattr(each.interface, field) for each in (half, whole))
+        assert np.abs(first).max() > 0 or not opens
+        assert np.abs(first[:, :count] - other[:, right]).max() < 1e-13
     assert half.work["friction"] == pytest.approx(whole.work["friction"], rel=1e-10)
     assert half.work["closing"] == pytest.approx(whole.work["closing"], rel=1e-10)
     assert (half.work["closing"] > 0) == opens
@@ -171,7 +171,7 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
         def steady_slope(self):
             return None
 
-    kept = {one.name: getattr(law, one.name) for one in fields(law)}
+    kept = {field.name: getattr(law, field.name) for field in fields(law)}
     push = sf.InterfaceLoad(0.3, history=sf.Pulse(0.7), on="slot")
     patch = sf.InterfaceLoad(lambda x: 0.8 * (abs(x - 1) < 0.4), history=lambda t: min(t, 0.5))
     base = scene_along(
@@ -182,13 +182,13 @@ def test_equal_steps_in_blocks_are_those_taken_one_by_one(law):
         loads=[push, patch],
         plate_rate=1e-3,
     )
-    one, other = (
+    answer, other = (
         sf.solve(each, end_time=1.1, nodes=256, estimate=False, every=3)
         for each in (base, replace(base, friction=Unknown(**kept)))
     )
-    assert one.steps == other.steps > 64
+    assert answer.steps == other.steps > 64
     for part in ("interface", "totals", "seen"):
-        for name, found in vars(getattr(one, part)).items():
+        for name, found in vars(getattr(answer, part)).items():
             wanted = getattr(getattr(other, part), name)
             if name not in ("state", "slipping", "frictional_work"):  # less where a zone ends
                 np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11, err_msg=name)

@@ -8,7 +8,7 @@ import pytest
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
-from semianalytic.engine.run import run
+from semianalytic.engine.march import march
 
 UNIT = sf.Material(1.0, 1.0, 0.25)
 COULOMB = sf.Coulomb(0.5)
@@ -73,13 +73,13 @@ def under_state(evolution):
     return scene_along(UNIT, law, 16.0, 1.0, 0.3, rate=1e-3)
 
 
-def assert_same(one, other):
+def assert_same(left, other):
     for name in FIELDS:
-        first, second = getattr(one.interface, name), getattr(other.interface, name)
+        first, second = getattr(left.interface, name), getattr(other.interface, name)
         assert np.array_equal(first, second, equal_nan=True), name
-    for first, second in ((one.totals, other.totals), (one.seen, other.seen)):
+    for first, second in ((left.totals, other.totals), (left.seen, other.seen)):
         assert all(map(np.array_equal, vars(first).values(), vars(second).values()))
-    assert one.work == other.work
+    assert left.work == other.work
 
 
 @pytest.mark.thinned(2)
@@ -88,14 +88,15 @@ def test_a_run_goes_on_to_the_last_bit(stop_at, tmp_path):
     """Adaptive steps, thinned frames, through a file: as if it had not been interrupted."""
     counted = iter(range(10**6))
     options = {"nodes": 64, "estimate": False, "every": 3, "frames": 20}
-    whole = run(weakening_fault(), 12.0, **options)
-    part = run(weakening_fault(), 12.0, **options, progress=lambda *_: next(counted) == stop_at - 1)
+    whole = march(weakening_fault(), 12.0, **options)
+    stop = {"progress": lambda *_: next(counted) == stop_at - 1}
+    part = march(weakening_fault(), 12.0, **options, **stop)
     assert part.status.startswith("interrupted")
     assert part.steps == stop_at < whole.steps
     part.save(tmp_path / "a.h5")
     fault = weakening_fault()
     saved = sf.Marched.load(tmp_path / "a.h5", fault)
-    assert_same(run(fault, 12.0, go_on=saved, **options), whole)
+    assert_same(march(fault, 12.0, go_on=saved, **options), whole)
     assert len(whole.interface.t) <= 22
     assert np.diff(whole.totals.t).max() > 100 * np.diff(whole.totals.t).min()
 
@@ -124,12 +125,13 @@ def test_a_run_goes_on_to_the_last_bit(stop_at, tmp_path):
 def test_what_a_fault_has_gone_through_is_gone_on_with(fault, end, stop, under_way, tmp_path):
     """Gaps, faces that have parted, coupled pressure and a strength that falls: to the last bit."""
     options = {"nodes": 64, "estimate": False, "every": 2}
-    whole = run(fault, end, **options)
-    part = run(fault, end, **options, progress=lambda t, _: t > stop)
+    whole = march(fault, end, **options)
+    part = march(fault, end, **options, progress=lambda t, _: t > stop)
     assert part.status.startswith("interrupted")
     assert under_way(part, whole)
     part.save(tmp_path / "a.h5")
-    assert_same(run(fault, end, go_on=sf.Marched.load(tmp_path / "a.h5", fault), **options), whole)
+    part = sf.Marched.load(tmp_path / "a.h5", fault)
+    assert_same(march(fault, end, go_on=part, **options), whole)
 
 
 @pytest.mark.parametrize("until", [2.0, 0.7357, 2.01])
@@ -137,11 +139,11 @@ def test_what_a_fault_has_gone_through_is_gone_on_with(fault, end, stop, under_w
 def test_a_run_goes_on_after_an_end_time_to_the_last_bit(fault, until, tmp_path):
     """At a jump, between two steps, and between a jump and the first step after it."""
     options = {"nodes": 128, "estimate": False, "every": 3}
-    whole, begun = run(fault, 4.0, **options), run(fault, until, latest=4.0, **options)
+    whole, begun = march(fault, 4.0, **options), march(fault, until, latest=4.0, **options)
     begun.save(tmp_path / "a.h5")
     begun = sf.Marched.load(tmp_path / "a.h5", fault)
     assert begun.end_time == until
-    assert_same(run(fault, 4.0, go_on=begun, **options), whole)
+    assert_same(march(fault, 4.0, go_on=begun, **options), whole)
 
 
 @pytest.mark.parametrize(
@@ -158,26 +160,26 @@ def test_a_run_goes_on_after_an_end_time_to_the_last_bit(fault, until, tmp_path)
     ids=["fault", "load", "strength", "shape", "past", "evolution", "contact"],
 )
 def test_another_interface_is_not_gone_on_with(own, other):
-    part = run(own, 1.0, 32, estimate=False, latest=3.0)
-    with pytest.raises(sf.DataFileError, match="another interface"):
-        run(other, 3.0, 32, go_on=part)
-    with pytest.raises(sf.SceneError, match="beyond"):
-        run(own, 0.5, 32, go_on=part)
+    part = march(own, 1.0, 32, estimate=False, latest=3.0)
+    with pytest.raises(sf.SceneError, match="another scene"):
+        march(other, 3.0, 32, go_on=part)
+    with pytest.raises(sf.SceneError, match="end_time must be above 1"):
+        march(own, 0.5, 32, go_on=part)
 
 
 def test_what_an_earlier_run_has_not_kept_is_not_asked_of_it():
     fault = weakening_fault()
     asked = {"times": [0.005, 0.01], "slipping": 1e-3, "latest": 0.02}
-    part = run(fault, 0.01, 32, estimate=False, **asked)
-    whole = run(fault, 0.02, 32, estimate=False, go_on=part, times=[0.005, 0.02])
+    part = march(fault, 0.01, 32, estimate=False, **asked)
+    whole = march(fault, 0.02, 32, estimate=False, go_on=part, times=[0.005, 0.02])
     assert whole.interface.t.tolist() == [0.005, 0.01, 0.02]
     with pytest.raises(sf.SceneError, match=r"gone beyond t = 0\.002 and not stored it"):
-        run(fault, 0.02, 32, go_on=part, times=[0.002, 0.02])
-    with pytest.raises(sf.SceneError, match=r"slip began beyond 0\.001 in the run"):
-        run(fault, 0.02, 32, go_on=part, slipping=1e-2)
-    part = run(jumping(), 2.0, 128, latest=4.0, estimate=False)
-    with pytest.raises(sf.SceneError, match=r"reaches t = 4; compute it again with `latest` = 200"):
-        run(jumping(), 200.0, 128, go_on=part)
+        march(fault, 0.02, 32, go_on=part, times=[0.002, 0.02])
+    with pytest.raises(sf.SceneError, match="leave out `slipping`"):
+        march(fault, 0.02, 32, go_on=part, slipping=1e-2)
+    part = march(jumping(), 2.0, 128, latest=4.0, estimate=False)
+    with pytest.raises(sf.SceneError, match="can be continued to 4; for more, start again"):
+        march(part.scene, 200.0, 128, go_on=part)
 
 
 def test_what_is_done_is_kept_after_ctrl_c():
@@ -186,7 +188,7 @@ def test_what_is_done_is_kept_after_ctrl_c():
             signal.raise_signal(signal.SIGINT)
 
     load = sf.InterfaceLoad(lambda x: np.exp(-(x**2)))
-    done = run(scene_along(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
+    done = march(scene_along(UNIT, COULOMB, 8.0, loads=[load]), 2.0, 64, progress=press)
     assert done.status.startswith("interrupted at t = 0.5")
     assert done.interface.slip[-1].max() > 0
     assert done.interface.t[-1] == done.end_time < 0.6
@@ -196,7 +198,7 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
     """Another contact, period or symmetry lies on other nodes."""
     strip = sf.Contact([(-2.0, 2.0)])
     own = scene_along(UNIT, COULOMB, 8.0, contact=strip)
-    run(own, 0.2, 32, estimate=False).save(tmp_path / "own.h5")
+    march(own, 0.2, 32, estimate=False).save(tmp_path / "own.h5")
     assert sf.Marched.load(tmp_path / "own.h5", own).nodes == 32
     assert sf.Marched.load(tmp_path / "own.h5").scene == own
     for other in (
@@ -208,11 +210,11 @@ def test_a_saved_run_is_loaded_with_its_own_interface_alone(tmp_path):
         with pytest.raises(sf.DataFileError, match="is a march of another scene"):
             sf.Marched.load(tmp_path / "own.h5", scene_along(UNIT, COULOMB, **other))
     by_function = scene_along(UNIT, COULOMB, 8.0, loads=[sf.InterfaceLoad(np.cos)])
-    run(by_function, 0.2, 32).save(tmp_path / "own.h5")
+    march(by_function, 0.2, 32).save(tmp_path / "own.h5")
     with pytest.raises(sf.DataFileError, match="give the scene as well"):
         sf.Marched.load(tmp_path / "own.h5")
     assert sf.Marched.load(tmp_path / "own.h5", by_function).companion.nodes == 16
-    run(moved_grid(), 0.2, 200, estimate=False).save(tmp_path / "own.h5")
+    march(moved_grid(), 0.2, 200, estimate=False).save(tmp_path / "own.h5")
     other = replace(moved_grid(), contact=sf.Contact([(-2.04, 1.9)]))
     with pytest.raises(sf.DataFileError, match="is a march of another scene"):
         sf.Marched.load(tmp_path / "own.h5", other)
@@ -229,11 +231,11 @@ def test_an_interrupt_during_the_estimate_leaves_the_complete_run():
 
     loads = [sf.InterfaceLoad(shear, history=None)]
     fault = scene_along(UNIT, sf.Coulomb(0.3), 16.0, shear=0.1, loads=loads)
-    done = run(fault, 1.0, nodes=64, rtol=1e-6)
+    done = march(fault, 1.0, nodes=64, rtol=1e-6)
     assert sent
     assert done.is_interrupted
     assert done.error_estimates == {}
     assert done.end_time == 1.0
     assert np.array_equal(
-        done.interface.slip, run(fault, 1.0, nodes=64, estimate=False).interface.slip
+        done.interface.slip, march(fault, 1.0, nodes=64, estimate=False).interface.slip
     )

@@ -120,15 +120,15 @@ def test_slip_rate_of_a_half_line_converges_to_the_exact_profile():
 
 
 def test_bodies_that_change_places_give_the_mirrored_answer():
-    one, other = (one_run(patch(*pair), 1.0, 256) for pair in ((ROCK, FASTER), (FASTER, ROCK)))
+    fwd, back = (one_run(patch(*pair), 1.0, 256) for pair in ((ROCK, FASTER), (FASTER, ROCK)))
     for name in FIELDS:
-        mirrored = np.roll(getattr(other.interface, name)[:, ::-1], 1, axis=1)
-        size = np.abs(getattr(one.interface, name)).max()
+        mirrored = np.roll(getattr(back.interface, name)[:, ::-1], 1, axis=1)
+        size = np.abs(getattr(fwd.interface, name)).max()
         np.testing.assert_allclose(
-            mirrored, getattr(one.interface, name), rtol=0, atol=1e-12 * size
+            mirrored, getattr(fwd.interface, name), rtol=0, atol=1e-12 * size
         )
     # A positive control: without the mirror they differ.
-    assert np.abs(other.interface.slip - one.interface.slip).max() > 1e-3 * one.interface.slip.max()
+    assert np.abs(back.interface.slip - fwd.interface.slip).max() > 1e-3 * fwd.interface.slip.max()
 
 
 def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
@@ -147,8 +147,8 @@ def test_nearly_identical_bodies_give_the_answer_of_identical_ones():
         ends.append(now)
     assert ends[0].slip.max() > 0.1
     for name in ("slip", "traction", "pressure", "gap"):
-        one, other = (getattr(end, name) for end in ends)
-        np.testing.assert_allclose(other, one, rtol=0, atol=1e-6 * np.abs(one).max())
+        first, other = (getattr(end, name) for end in ends)
+        np.testing.assert_allclose(other, first, rtol=0, atol=1e-6 * np.abs(first).max())
 
 
 @pytest.mark.thinned(2)

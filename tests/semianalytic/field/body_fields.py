@@ -89,4 +89,4 @@ def departures_from_laws(answer, at, body, step):
             (change[4], mu * moved_y[2]),
             (reach * rate[2], reach * (by_x[3] + by_y[4])),
         ]
-    return np.array([np.abs(one - other).max() for one, other in pairs])
+    return np.array([np.abs(pair - other).max() for pair, other in pairs])

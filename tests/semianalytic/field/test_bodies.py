@@ -31,7 +31,7 @@ every = pytest.mark.parametrize("problem", ALL, ids=[problem.name for problem in
 def among(*names):
     """Run a test on these problems."""
     return pytest.mark.parametrize(
-        "problem", [p for p in ALL if p.name in names], ids=lambda one: one.name
+        "problem", [p for p in ALL if p.name in names], ids=lambda case: case.name
     )
 
 
@@ -138,7 +138,7 @@ def test_a_stuck_antiplane_step_has_the_closed_form():
     rng = np.random.default_rng(5)
     x, y = rng.uniform(-0.99, 0.99, (2, 400)) / np.sqrt(2)
     radius, angle = 1 - np.geomspace(1e-12, 1e-3, 40), rng.uniform(0, np.pi, 40)
-    close, around = (one.ravel() for one in np.meshgrid([1e-2, 1e-5, 1e-8], np.linspace(0.1, 3, 9)))
+    close, around = (row.ravel() for row in np.meshgrid([1e-2, 1e-5, 1e-8], np.linspace(0.1, 3, 9)))
     x = np.concatenate([x, radius * np.cos(angle), close * np.cos(around)])
     y = np.concatenate([np.abs(y), radius * np.sin(angle), close * np.sin(around)])
     square = x**2 + y**2

@@ -53,8 +53,8 @@ def test_an_edge_closer_to_a_front_than_rounding_is_right_of_it(parts, lacking):
     x, y = np.array([-0.5, 0.3, 0.9, 1.5]), np.array([0.4, -0.2, 0.3, 0.2])
     bound = solution.field_error + better.field_error
     for name in ("velocity", "stress", "displacement"):
-        one, other = (getattr(answer, name)(x, y, 1.0) for answer in (solution, better))
-        assert np.abs(one - other).max() < bound * (1 + np.abs(other).max()), name
+        first, other = (getattr(answer, name)(x, y, 1.0) for answer in (solution, better))
+        assert np.abs(first - other).max() < bound * (1 + np.abs(other).max()), name
 
 
 @pytest.mark.thinned(3)

@@ -197,7 +197,7 @@ def test_a_fit_that_holds_a_wrong_load_says_so(truth):
 @pytest.mark.parametrize(("more", "status"), [(1.2, "converged"), (1.6, "misfits are 1.6 times")])
 def test_noise_that_is_more_than_said_is_told_from_what_chance_does(truth, more, status):
     """120 samples tell 1.33 times the noise from chance."""
-    told = [replace(one, noise=NOISE / more) for one in records(truth, 4)]
+    told = [replace(record, noise=NOISE / more) for record in records(truth, 4)]
     assert sf.fit(told, PRELOADED, ("friction",), rtol=1e-6).status.startswith(status)
 
 
@@ -235,9 +235,10 @@ def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
     ("names", "message"),
     [
         ((), "at least one parameter"),
-        (("friction", "friction"), "each of them once"),
+        (("friction", "friction"), "each one once"),
         (("youngs_modulus",), "parameters must be among"),
-        (("gain:left",), "is of no gauge"),
+        (np.zeros((2, 0)), "parameters must be among"),
+        (("gain:left",), "belongs to no gauge"),
         (("viscosity",), "needs a scene with friction of a positive"),
     ],
 )

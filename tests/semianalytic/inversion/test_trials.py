@@ -56,8 +56,8 @@ def check_derivatives(trial, count, step, most):
 @pytest.mark.parametrize("name", [*OF_SCENE, *MATERIAL, *SETUP, "gain:beside"])
 def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
     """On the interface and beside it."""
-    gauges = [silent(one) for one in INTERFACE]
-    gauges += [silent(one, y=0.21, name="beside") for one in IN_PLANE]
+    gauges = [silent(quantity) for quantity in INTERFACE]
+    gauges += [silent(quantity, y=0.21, name="beside") for quantity in IN_PLANE]
     most = 1e-7 if name in OF_SCENE else 1e-5
     check_derivatives(trials(gauges, (name,)), len(gauges), 2e-3, most)
 
@@ -67,7 +67,7 @@ def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
 def test_derivatives_of_a_remote_load_are_those_of_differences(name):
     """It moves what the contact carries, too; tractions jump at t = 0, which is no sample."""
     scene = unit_scene(1.2, (0.5, 0.2), (0.6, 0.9), load_on="remote")
-    trial = trials([silent(one) for one in INTERFACE], (name,), scene)
+    trial = trials([silent(quantity) for quantity in INTERFACE], (name,), scene)
     check_derivatives(trial, len(INTERFACE), 1e-3, 1e-7)
 
 
@@ -152,7 +152,7 @@ def test_what_the_data_leave_free_a_prior_may_hold():
         (lambda: LogNormal(1.0, 0.5), "factor must be above 1"),
         (lambda: Uniform(2.0, 1.0), "low must be below high"),
         (lambda: silent("speed", y=0.1), "quantity must be among vx|quantity must be among slip"),
-        (lambda: silent("vx"), "say at which y"),
+        (lambda: silent("vx"), "give y"),
         (lambda: silent("slip", y=0.1), "leave y out"),
         (lambda: Gauge(0.3, T, T, T[:3]), "noise must be positive"),
         (lambda: fit([silent("vz", y=0.1)], PRELOADED, ("friction",)), "antiplane"),
@@ -186,7 +186,7 @@ def test_misfits_over_base_pressure_come_from_a_sweep_over_friction(quantity):
     points = trial.start * np.array([[1.0, 1.0, 1.0], [1.2, 1.1, 0.5], [0.7, 1.4, 2.0]])
     found = trial.misfits(points)
     assert trial.count == 0
-    np.testing.assert_allclose(found, [trial.misfit(one) for one in points], atol=1e-3)
+    np.testing.assert_allclose(found, [trial.misfit(point) for point in points], atol=1e-3)
 
 
 @pytest.mark.parametrize(("quantity", "load"), [("pressure", 0.0), ("slip", -0.2)])
@@ -236,7 +236,7 @@ def in_bodies(run, noise=0.0, t=None):
 def test_a_law_and_the_time_of_the_load_are_found_from_slip_and_gauges_in_both_bodies():
     """So are stress drop, fracture energy and S, from a guess that is far off, and what comes."""
     true = sf.solve(fault(distance=0.4), end_time=3.2, nodes=128, estimate=False, frames=1000)
-    slip = [replace(one, t=one.t + 0.2) for one in gauges(true, 0.02)]
+    slip = [replace(gauge, t=gauge.t + 0.2) for gauge in gauges(true, 0.02)]
     prior = {"friction_law_dynamic": sf.Uniform(0.0, 0.5), "t0": sf.Uniform(0.1, 0.3)}
     names = "friction_law.dynamic", "t0"
     records = [*slip, *in_bodies(true, 0.03)]
@@ -254,9 +254,9 @@ def test_a_law_and_the_time_of_the_load_are_found_from_slip_and_gauges_in_both_b
     assert quoted.x.tolist() == pytest.approx([-1.2, -0.5, 0.2, 0.9, 1.6])
     known = {"stress_drop": 0.1, "fracture_energy": 0.4 * 0.4 / 2, "strength_ratio": 3.0}
     for name, value in known.items():
-        one = getattr(quoted, name)
-        assert np.all(np.abs(one.value - value) < 2 * one.error)
-        assert np.all(one.error < 0.13 * value)
+        values = getattr(quoted, name)
+        assert np.all(np.abs(values.value - value) < 2 * values.error)
+        assert np.all(values.error < 0.13 * value)
     # slip begins at once near x = 0, and so has no speed
     assert np.isnan(quoted.front_speed.value).tolist() == [False, True, True, False, False]
     later = np.linspace(2.5, 3.2, 6)
@@ -290,7 +290,7 @@ def test_gauges_see_what_was_in_place_before_the_load(truth):
     ("change", "message"),
     [
         ({"parameters": "law.dist"}, "parameters must be among .*friction_law_distance"),
-        ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each of them once"),
+        ({"parameters": ("friction_law_distance", "friction_law.distance")}, "each one once"),
         ({"scene": sf.find("preloaded"), "parameters": "friction"}, "no effect on a scene"),
         ({"quantity": "exx", "y": 0.1}, "nearer to the interface than nodes"),
         ({"quantity": "vz", "y": 0.1}, "zero in this scene"),
@@ -300,9 +300,9 @@ def test_gauges_see_what_was_in_place_before_the_load(truth):
 def test_what_cannot_be_fitted_is_refused(change, message):
     record = {"x": 1.0, "t": [0.5, 1.0, 1.5], "values": [0.0, 0.1, 0.2], "noise": 0.01}
     record |= {"quantity": "slip"}
-    record |= {name: one for name, one in change.items() if name in ("quantity", "y", "t")}
+    record |= {name: change_ for name, change_ in change.items() if name in ("quantity", "y", "t")}
     asked = {"scene": fault(), "parameters": "friction_law_dynamic", "nodes": 32}
-    asked |= {name: one for name, one in change.items() if name not in record}
+    asked |= {name: change_ for name, change_ in change.items() if name not in record}
     with pytest.raises(sf.SceneError, match=message):
         sf.fit([sf.Gauge(**record)], **asked)
 

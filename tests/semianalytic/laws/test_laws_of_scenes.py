@@ -50,9 +50,9 @@ def test_a_strength_of_its_own_inherits_nothing_that_follows_from_another():
         def strength(self, pressure, speed, state):
             return super().strength(pressure, speed, state) / 2
 
-    half, one = Half(0.3, viscosity=0.2), np.ones(1)
-    assert half.slip_speed(one, one, 0.4, one) == pytest.approx(0.85 / 0.5, rel=1e-12)
-    assert half.rate_slope(one, one, one) == pytest.approx(0.1, rel=1e-6)
+    half, unit = Half(0.3, viscosity=0.2), np.ones(1)
+    assert half.slip_speed(unit, unit, 0.4, unit) == pytest.approx(0.85 / 0.5, rel=1e-12)
+    assert half.rate_slope(unit, unit, unit) == pytest.approx(0.1, rel=1e-6)
     assert not half.is_rated
 
 
@@ -103,7 +103,7 @@ class Plain(sf.Law):
 def test_a_class_of_the_program_is_solved_stored_and_read_again(tmp_path):
     own = replace(SCENE, friction=Plain(0.3))
     marched, ours = (
-        sf.solve(one, method="space-time", end_time=0.5, nodes=50) for one in (own, SCENE)
+        sf.solve(scene, method="space-time", end_time=0.5, nodes=50) for scene in (own, SCENE)
     )
     np.testing.assert_allclose(marched.interface.slip, ours.interface.slip, atol=1e-12)
     marched.save(tmp_path / "march.h5")

@@ -10,14 +10,13 @@ import pytest
 
 from semianalytic import Material, SceneError
 from semianalytic.reference import (
-    antiplane,
     antiplane_edge_intensity,
     antiplane_edge_speed,
     antiplane_slip,
     antiplane_slip_rate,
     antiplane_traction,
-    viscous_antiplane_edge_speed,
-    viscous_antiplane_slip_rate,
+    viscous_edge_speed,
+    viscous_slip_rate,
 )
 
 UNIT = Material(1.0, 1.0, 1 / 3)
@@ -103,48 +102,19 @@ def test_units_and_edge_intensity():
     assert near == pytest.approx(antiplane_edge_intensity(STEEL, 2e6, 0.5), rel=1e-7)
 
 
-def canonical(v, edge, eta):
-    """exp of -(1/pi) PV int theta(w) (1/(w - v) - 1/w) dw from u_s on, over sqrt(edge)."""
-    start = 1 / mp.mpf(edge)
-
-    def phase(w):
-        return mp.atan(eta / mp.sqrt(w * w - 1))
-
-    def density(w):
-        return (phase(w) - own) * v / (w * (w - v))
-
-    inside = v > start
-    own = phase(v) if inside else mp.mpf(0)
-    far = 4 * max(v, start)
-    total = mp.quad(density, [start, v, far] if inside else [start, far])
-    total += own * mp.log((far - v) / far * start / abs(start - v)) if inside else 0
-    total += mp.quad(lambda w: phase(w) * v / (w * (w - v)), [far, 8 * far, mp.inf])
-    return mp.exp(-total / mp.pi) * mp.sqrt(start)
-
-
-@pytest.mark.parametrize(("edge", "eta"), [(0.407297, 0.5), (0.9, 4.0), (0.02, 0.1)])
-def test_canonical_product_of_viscosity(edge, eta):
-    """What multiplies sqrt((b + k)/(u_s + k)) on the cut, on stick and on slip."""
-    zone = antiplane._AntiplaneFilm(edge, eta)
-    for xi in (0.3 * edge, 0.9 * edge, edge + 0.1 * (1 - edge), edge + 0.8 * (1 - edge)):
-        found = zone._factor(np.array([xi]), np.array([abs(xi - edge)]))[0]
-        exact = canonical(1 / mp.mpf(xi), mp.mpf(edge), mp.mpf(eta))
-        assert found == pytest.approx(float(exact), rel=1e-11)
-
-
 def test_viscosity_slows_the_front_to_that_of_the_theory():
     """theory-beyond, section 3: 0.40730 c_t."""
-    edge = viscous_antiplane_edge_speed(UNIT, 0.5, 0.25)
+    edge = viscous_edge_speed(UNIT, 0.5, 0.25, "III")
     assert edge == pytest.approx(0.40730, abs=5e-6)
     assert edge < antiplane_edge_speed(UNIT, 0.5)
 
 
 @pytest.mark.parametrize("chi", [0.01, 0.5, 3.0])
 def test_without_viscosity_the_product_is_the_closed_form(chi):
-    edge = viscous_antiplane_edge_speed(UNIT, chi, 0.0)
+    edge = viscous_edge_speed(UNIT, chi, 0.0, "III")
     assert edge == pytest.approx(antiplane_edge_speed(UNIT, chi), rel=1e-11)
     xi = edge * np.array([0.0, 0.2, 0.7, 0.99, 1.5])
-    found = viscous_antiplane_slip_rate(UNIT, 1.0, chi, 0.0, xi)
+    found = viscous_slip_rate(UNIT, 1.0, chi, 0.0, xi, "III")
     np.testing.assert_allclose(found, antiplane_slip_rate(UNIT, 1.0, chi, xi), atol=1e-11)
 
 
@@ -153,8 +123,8 @@ def test_without_viscosity_the_product_is_the_closed_form(chi):
     [
         lambda: antiplane_edge_speed(UNIT, -0.1),
         lambda: antiplane_slip_rate(UNIT, 1.0, 0.5, -0.1),
-        lambda: viscous_antiplane_edge_speed(UNIT, 0.0, 0.25),
-        lambda: viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, -0.25, 0.1),
+        lambda: viscous_edge_speed(UNIT, 0.0, 0.25, "III"),
+        lambda: viscous_slip_rate(UNIT, 1.0, 0.5, -0.25, 0.1, "III"),
     ],
 )
 def test_what_is_no_such_zone_is_refused(refused):

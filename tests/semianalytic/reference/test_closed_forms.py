@@ -47,10 +47,11 @@ def test_reference_values():
     assert float(at_edge) == pytest.approx(2 * 0.2799308415206, abs=1e-12)
 
 
+@pytest.mark.parametrize("mode", ["II", "III"])
 @pytest.mark.parametrize(("ratio", "viscosity"), CASES)
-def test_traction_jumps_at_the_contact_edge_by_what_the_transform_says(ratio, viscosity):
+def test_traction_jumps_at_the_contact_edge_by_what_the_transform_says(ratio, viscosity, mode):
     """T(inf) = R is the jump at x = 0, from -Q_0 on the slot to f P_b + eta V(0+)."""
-    zone = _viscous_zone(UNIT, ratio, viscosity)
+    zone = _viscous_zone(UNIT, ratio, viscosity, mode)
     carried = ratio + 2 * viscosity * zone.slip_rate(0.0)
     assert zone.constant == pytest.approx(1 + carried, abs=1e-13)
 

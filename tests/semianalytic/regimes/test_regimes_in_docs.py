@@ -121,7 +121,7 @@ def test_named_scenes():
 @pytest.mark.parametrize("nu", [0.0, 0.1])
 def test_reversed_strip_is_seen_near_its_threshold(nu):
     sentence = (
-        "a reversed strip is seen at {} of its threshold for `rtol` = 10⁻⁶, and at {} for 10⁻⁴."
+        "a reversed strip is found at {} of its threshold for `rtol` = 10⁻⁶, and at {} for 10⁻⁴."
     )
     threshold = reverse_threshold(nu)
     for (share, _), rtol in zip(quoted_numbers(SOLVER, sentence), (1e-6, 1e-4), strict=True):

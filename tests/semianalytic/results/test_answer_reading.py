@@ -34,10 +34,10 @@ def beside(solution, random):
 
 def over_bars(solution, exact, x, t=1.0):
     """Largest difference of two readings over the sum of their bars."""
-    worst, (one, other) = 0.0, (answer.reading(x, t) for answer in (solution, exact))
+    worst, (first, other) = 0.0, (answer.reading(x, t) for answer in (solution, exact))
     for pair in (
-        *((getattr(one, name), getattr(other, name)) for name in FIELDS),
-        *((one.arrivals[name], other.arrivals[name]) for name in ARRIVALS),
+        *((getattr(first, name), getattr(other, name)) for name in FIELDS),
+        *((first.arrivals[name], other.arrivals[name]) for name in ARRIVALS),
     ):
         (value, bar), (right, its_bar) = pair
         both = np.isfinite(value) & np.isfinite(right)

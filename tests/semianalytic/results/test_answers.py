@@ -62,7 +62,7 @@ def test_fields_of_a_march_are_those_of_the_solution(name, field):
     x, t = np.linspace(0.02, 0.97, 301) * reach, TIMES[:, None]
     held = exact.scene.superposition.in_place
     ahead = {"shear_traction": held.shear, "pressure": held.pressure}
-    expected, seen = (getattr(one, field)(x, t) - ahead.get(field, 0.0) for one in (exact, marched))
+    expected, seen = (getattr(run, field)(x, t) - ahead.get(field, 0.0) for run in (exact, marched))
     assert seen.shape == (3, 301)
     difference = np.abs(seen - expected).sum()
     assert difference <= FIELD_ERRORS[field] * np.abs(expected).sum()
@@ -90,56 +90,56 @@ def test_zones_of_a_march_are_those_of_the_solution_to_about_a_node(name):
 
 @any_answer
 def test_there_is_the_base_state_before_the_load(name, method):
-    one = answer(name, method)
+    result = answer(name, method)
     x, t = np.array([0.001, 0.3, 0.9]), np.array([[-1.0], [-1e-9]])
-    assert np.all(one.slip(x, t) == 0)
-    assert np.all(one.slip_rate(x, t) == 0)
-    assert np.all(one.shear_traction(x, t) == one.scene.base.shear)
-    assert np.all(one.pressure(x, t) == one.scene.base.pressure)
+    assert np.all(result.slip(x, t) == 0)
+    assert np.all(result.slip_rate(x, t) == 0)
+    assert np.all(result.shear_traction(x, t) == result.scene.base.shear)
+    assert np.all(result.pressure(x, t) == result.scene.base.pressure)
     for total in TOTALS:
-        assert np.all(getattr(one, total)([-1.0, 0.0]) == 0)
-    assert one.zones_at(-1.0) == one.zones_at(0.0) == ()
+        assert np.all(getattr(result, total)([-1.0, 0.0]) == 0)
+    assert result.zones_at(-1.0) == result.zones_at(0.0) == ()
 
 
 @any_answer
 def test_slip_is_within_what_slips(name, method):
-    one, x, time = answer(name, method), np.linspace(0.005, 1.2, 500), 0.8
-    inside = [(zone.sense, (x > zone.start) & (x < zone.end)) for zone in one.zones_at(time)]
-    rate = one.slip_rate(x, time)
+    result, x, time = answer(name, method), np.linspace(0.005, 1.2, 500), 0.8
+    inside = [(zone.sense, (x > zone.start) & (x < zone.end)) for zone in result.zones_at(time)]
+    rate = result.slip_rate(x, time)
     for sense, zone in inside:
         assert np.all(sense * rate[zone] >= 0)
     outside = ~np.logical_or.reduce([zone for _, zone in inside])
     assert np.abs(rate[outside]).max() < 0.1 * np.abs(rate).max()  # between two nodes at an edge
-    assert np.abs(one.slip(x, time)).max() <= one.max_slip(time) * (1 + 1e-12)
+    assert np.abs(result.slip(x, time)).max() <= result.max_slip(time) * (1 + 1e-12)
 
 
 @any_answer
 def test_refusals_say_what_to_ask_for(name, method):
-    one = answer(name, method)
+    result = answer(name, method)
     for bad, said in (((0.0, 0.5), "x > 0"), ((np.nan, 0.5), "finite"), ((0.3, np.inf), "finite")):
         for field in FIELDS:
             with pytest.raises(sf.SceneError, match=said):
-                getattr(one, field)(*bad)
+                getattr(result, field)(*bad)
     for total in (*TOTALS, "zones_at"):
         with pytest.raises(sf.SceneError, match="finite"):
-            getattr(one, total)(np.nan)
+            getattr(result, total)(np.nan)
 
 
 @any_answer
 def test_a_dataset_holds_fields_and_totals_with_their_dimensions(name, method):
-    one, x, t = answer(name, method), np.array([0.2, 0.4]), np.array([0.0, 0.5, 1.0])
-    data = one.to_xarray(x, t)
+    item, x, t = answer(name, method), np.array([0.2, 0.4]), np.array([0.0, 0.5, 1.0])
+    data = item.to_xarray(x, t)
     assert dict(data.sizes) == {"t": 3, "x": 2}
     assert set(data.variables) == {"x", "t", *FIELDS, *TOTALS}
     for name_, variable in data.variables.items():
         assert (variable.attrs["dimension"], variable.attrs["long_name"]) == QUANTITIES[name_]
         assert variable.attrs["units"] == "1"
     for field in FIELDS:
-        np.testing.assert_allclose(data[field].sel(x=0.4), getattr(one, field)(0.4, t), rtol=1e-12)
+        np.testing.assert_allclose(data[field].sel(x=0.4), getattr(item, field)(0.4, t), rtol=1e-12)
     for total in TOTALS:
-        np.testing.assert_array_equal(data[total], getattr(one, total)(t))
+        np.testing.assert_array_equal(data[total], getattr(item, total)(t))
     title = data.attrs["title"]
-    assert title == repr(one)
+    assert title == repr(item)
     assert "\n" not in title
     assert len(title) < 200
     assert title.startswith("<Solution: " if method == "self-similar" else "<Marched: ")
@@ -229,10 +229,10 @@ numbers = st.floats(-3, 3).map(lambda value: round(value, 3))
 )
 def test_what_is_linear_in_position_and_in_time_is_told_exactly(widths, steps, factors, on, along):
     x, t = np.cumsum(widths), np.cumsum([0.0, *steps])
-    one, two, three, four = factors
+    first, two, three, four = factors
 
     def field(x, t):
-        return one + two * x + three * t + four * x * t
+        return first + two * x + three * t + four * x * t
 
     sampled = field(x, t[:, None])
     recorded = Recorded(InterfaceHistory(x, t, *[sampled] * 5))

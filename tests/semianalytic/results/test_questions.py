@@ -57,96 +57,96 @@ every = pytest.mark.parametrize("name", ANSWERS)
 
 @every
 def test_fields_and_totals_are_functions(name):
-    one = answer(name)
+    result = answer(name)
     for field in FIELDS:
-        values = getattr(one, field)(X, T)
+        values = getattr(result, field)(X, T)
         assert values.shape == (2, 2)
         assert np.isfinite(values).all(), field
-        assert getattr(one, field)(0.1, 0.4).shape == ()
+        assert getattr(result, field)(0.1, 0.4).shape == ()
     # of an answer to a rough accuracy both are sums of pieces that are known no better
-    accuracy = one.error_estimate if name == "rated" else 1e-9
-    assert (one.path(X, T) >= np.abs(one.slip(X, T)) * (1 - accuracy)).all()
-    assert (one.work_density(X, T) >= 0).all()
+    accuracy = result.error_estimate if name == "rated" else 1e-9
+    assert (result.path(X, T) >= np.abs(result.slip(X, T)) * (1 - accuracy)).all()
+    assert (result.work_density(X, T) >= 0).all()
     for total in TOTALS:
-        assert getattr(one, total)(0.9).shape == (), total
-    assert one.history(X, [0.4, 0.9]).slip.tolist() == one.slip(X, T).tolist()
-    assert one.to_xarray(X, [0.4, 0.9]).slip.shape == (2, 2)
+        assert getattr(result, total)(0.9).shape == (), total
+    assert result.history(X, [0.4, 0.9]).slip.tolist() == result.slip(X, T).tolist()
+    assert result.to_xarray(X, [0.4, 0.9]).slip.shape == (2, 2)
 
 
 @every
 def test_zones_arrivals_and_readings(name):
-    one = answer(name)
-    assert isinstance(one.zones_at(0.9), tuple)
-    assert isinstance(one.openings_at(0.9), tuple)
+    result = answer(name)
+    assert isinstance(result.zones_at(0.9), tuple)
+    assert isinstance(result.openings_at(0.9), tuple)
     for of in ARRIVALS:
-        assert one.arrival(X, of).shape == X.shape
-    reading = one.reading(X, 0.9)
-    np.testing.assert_array_equal(reading.slip.value, one.slip(X, 0.9))
-    speed = one.front_speed(X)
+        assert result.arrival(X, of).shape == X.shape
+    reading = result.reading(X, 0.9)
+    np.testing.assert_array_equal(reading.slip.value, result.slip(X, 0.9))
+    speed = result.front_speed(X)
     assert speed.shape == X.shape
-    when = one.arrival(X)
+    when = result.arrival(X)
     assert (np.isnan(speed) | (speed > 0))[np.isfinite(when)].all()
     with pytest.raises(sf.SceneError, match="of must be one of"):
-        one.arrival(X, "else")
+        result.arrival(X, "else")
 
 
 @every
 def test_status_error_and_looks(name, tmp_path):
-    one = answer(name)
-    assert isinstance(one.status, str)
-    assert float(one.error_estimate) >= 0
-    assert "<table" in one._repr_html_()
-    slip_rate, tractions = one.plot(t=0.9)
+    result = answer(name)
+    assert isinstance(result.status, str)
+    assert float(result.error_estimate) >= 0
+    assert "<table" in result._repr_html_()
+    slip_rate, tractions = result.plot(t=0.9)
     assert len(slip_rate.lines) >= 1
     assert len(tractions.lines) >= 2
-    assert one.plot(ax=slip_rate, t=0.5) is slip_rate
-    one.animate(tmp_path / "a.gif", [0.4, 0.9])
+    assert result.plot(ax=slip_rate, t=0.5) is slip_rate
+    result.animate(tmp_path / "a.gif", [0.4, 0.9])
     assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF89a")
-    if hasattr(one, "interface"):  # slip rate over (x, t), and three waves from each end of slip
-        ends = 2 * np.isfinite(one.seen.onset).any() if one.scene.on_line else 1
-        assert len(one.plot().lines) == 3 * ends
+    if hasattr(result, "interface"):  # slip rate over (x, t), and three waves from each end of slip
+        ends = 2 * np.isfinite(result.seen.onset).any() if result.scene.on_line else 1
+        assert len(result.plot().lines) == 3 * ends
     matplotlib.pyplot.close("all")
 
 
 @every
 def test_what_is_not_known_is_refused_in_one_sentence(name, tmp_path):
-    one = answer(name)
+    result = answer(name)
     for field in IN_BODIES:
-        if one.has_bodies:
-            assert np.isfinite(getattr(one, field)(0.3, 0.2, 0.5)).all()
+        if result.has_bodies:
+            assert np.isfinite(getattr(result, field)(0.3, 0.2, 0.5)).all()
         else:
-            with pytest.raises(sf.SceneError, match=f"{field}: a {type(one).__name__} does not"):
-                getattr(one, field)(0.3, 0.2, 0.5)
-    travelled = pickle.loads(pickle.dumps(one))
-    assert travelled.slip(X, T).tolist() == one.slip(X, T).tolist()
-    one.save(tmp_path / "saved")
+            with pytest.raises(sf.SceneError, match=f"{field}: a {type(result).__name__} does not"):
+                getattr(result, field)(0.3, 0.2, 0.5)
+    travelled = pickle.loads(pickle.dumps(result))
+    assert travelled.slip(X, T).tolist() == result.slip(X, T).tolist()
+    result.save(tmp_path / "saved")
     functions = name == "rate-and-state"  # which no file holds
-    loaded = sf.load(tmp_path / "saved", one.scene if functions else None)
-    assert loaded.slip(X, T).tolist() == one.slip(X, T).tolist()
+    loaded = sf.load(tmp_path / "saved", result.scene if functions else None)
+    assert loaded.slip(X, T).tolist() == result.slip(X, T).tolist()
 
 
 def test_path_and_work_of_a_pair_are_those_of_one_body():
     """The solver of two bodies, of equal ones, against the closed form with its own totals."""
     scene = sf.Scene(sf.Material(1.0, 1.0, 0.25), 0.4, BASE, sf.Tractions(0.0, 0.8))
     pair = sf.Scene(scene.material, 0.4, scene.base, scene.load, lower_material=scene.material)
-    one, two, x = sf.solve(scene), coupled(pair, 1e-9), np.linspace(0.03, 1.6, 12)
+    first, two, x = sf.solve(scene), coupled(pair, 1e-9), np.linspace(0.03, 1.6, 12)
     for name in ("path", "work_density"):
-        known, found = (getattr(each, name)(x, 1.3) for each in (one, two))
+        known, found = (getattr(each, name)(x, 1.3) for each in (first, two))
         np.testing.assert_allclose(found, known, rtol=1e-8, atol=1e-8 * known.max())
 
 
 @pytest.mark.parametrize("name", ["whole-line-patch", "point-load", "growing-load"])
 def test_work_at_all_places_is_the_work_of_the_whole(name):
-    one = sf.solve(name)
-    edge, (share, weight) = one.edge_speed, np.polynomial.legendre.leggauss(60)
+    result = sf.solve(name)
+    edge, (share, weight) = result.edge_speed, np.polynomial.legendre.leggauss(60)
     x = edge * ((1 + share) / 2) ** 2  # crowded at the load, where a patch's rate is infinite
     rule = edge * weight * (1 + share) / 2
     sides = 1 if name == "growing-load" else 2
-    assert sides * rule @ one.work_density(x, 1.0) == pytest.approx(
-        float(one.frictional_work(1.0)), rel=2e-3
+    assert sides * rule @ result.work_density(x, 1.0) == pytest.approx(
+        float(result.frictional_work(1.0)), rel=2e-3
     )
-    assert sides * rule @ one.path(x, 1.0) == pytest.approx(
-        float(one.accumulated_slip(1.0)), rel=2e-3
+    assert sides * rule @ result.path(x, 1.0) == pytest.approx(
+        float(result.accumulated_slip(1.0)), rel=2e-3
     )
 
 
@@ -206,18 +206,18 @@ def test_arrivals_zones_and_openings_of_a_run_follow_its_nodes(name):
     assert run.openings_at(1.2) == ()
     rate, zones = run.interface.slip_rate[-1], run.zones_at(1.2)
     assert len(zones) > 0
-    assert all(one.end <= two.start for one, two in pairwise(zones))
+    assert all(zone.end <= two.start for zone, two in pairwise(zones))
     sense = np.where(
         on & (np.abs(rate) > 1e-6 * np.abs(run.interface.slip_rate[:, on]).max()), rate, 0.0
     )
     sense = np.sign(sense)
     pairs = np.flatnonzero((sense[1:] == sense[:-1]) & (sense[1:] != 0))  # one node is no zone
     for node in (*pairs, *(pairs + 1)):
-        (around,) = [one for one in zones if one.start < run.interface.x[node] < one.end]
+        (around,) = [zone for zone in zones if zone.start < run.interface.x[node] < zone.end]
         assert around.sense == sense[node]
-    for one in zones if not run.scene.even else zones[-1:]:
+    for entry in zones if not run.scene.even else zones[-1:]:
         assert (
-            sense[(run.interface.x > one.start) & (run.interface.x < one.end)] == one.sense
+            sense[(run.interface.x > entry.start) & (run.interface.x < entry.end)] == entry.sense
         ).sum() >= 2
 
 

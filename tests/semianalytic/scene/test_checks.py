@@ -77,7 +77,7 @@ def stored(made):
 def test_numbers_of_other_types_are_the_same_number(make, value):
     made = make(value)
     assert made == make(0.25)
-    kinds = {type(one) for one in stored(made)}
+    kinds = {type(array) for array in stored(made)}
     assert kinds <= {float, int, str, type(None)} | {type(p) for p in stored(make(0.25))}
     assert 0.25 in list(stored(made))
 
@@ -126,7 +126,7 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
     ("name", "said"),
     [
         *((name, "must be a ") for name in ("material", "base", "load")),
-        *((f"{one}_history", "must be one of Step, Ramp") for one in ("pressure", "shear")),
+        *((f"{word}_history", "must be one of Step, Ramp") for word in ("pressure", "shear")),
         ("friction", "must be a finite number or a law"),
     ],
 )
@@ -181,11 +181,11 @@ def test_results_can_be_compared_and_kept_in_sets():
     marches = [sf.solve(PRELOADED, method="space-time", nodes=16) for _ in range(2)]
     solutions = [sf.solve(PRELOADED) for _ in range(2)]
     sweeps = [sf.sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
-    for one, other in (history, simulations, marches, solutions, sweeps):
-        assert one == one
-        assert one != other
-        assert len({one, other}) == 2
-        assert [one, other].index(other) == 1
+    for answer, other in (history, simulations, marches, solutions, sweeps):
+        assert answer == answer
+        assert answer != other
+        assert len({answer, other}) == 2
+        assert [answer, other].index(other) == 1
 
 
 @pytest.mark.parametrize("package", [sf, fem])

@@ -154,6 +154,8 @@ def test_named_lines_begin_and_are_written_as_files(name):
         (GOOD, '"exp(-x**2)"', '"__import__(1)"', "is not known here"),
         (GOOD, '"exp(-x**2)"', '"exp(-x**2"', "not an expression"),
         (GOOD, "period = 8.0\n", "", "give the `period` of the line"),
+        (GOOD, "nodes = 64", "nodes = 1e9", "scene: run.nodes must be a whole number"),
+        (GOOD, "[run]", "[run]\nrtol = -1", "scene: run.rtol must be positive"),
         (GOOD, "period = 8.0", "period = 80.0", "must cover the contact"),
         (GOOD, "period = 8.0", "length = 8.0", "unknown key length; write period"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),

@@ -106,10 +106,10 @@ def test_derivatives_by_poisson_ratio_and_amplitude(kind, side, angle, amplitude
 def test_documents_and_files_hold_the_load(name, tmp_path):
     scene = NAMED_SCENES[name].scene
     assert eval(repr(scene), vars(sf)) == scene
-    for one in (scene, in_si_units(scene)):
+    for problem in (scene, in_si_units(scene)):
         path = tmp_path / "scene.toml"
-        path.write_text(scene_text(one), encoding="utf-8")
-        assert sf.find(path) == one
+        path.write_text(scene_text(problem), encoding="utf-8")
+        assert sf.find(path) == problem
     assert "kind" in tomllib.loads(scene_text(scene))["load"]
 
 

@@ -9,12 +9,12 @@ from catalogue import under
 from pint import UnitRegistry
 
 import slipfront as sf
-from fem.model import prepare
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.scene.given.documents import scene_document, scene_from_document
 from semianalytic.scene.given.files import read_scene
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_SCENES
+from tests.fem.runs import prepare
 
 STEEL = """
 friction = 0.4

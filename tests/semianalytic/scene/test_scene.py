@@ -149,8 +149,8 @@ def test_mode_is_in_plane_unless_given_and_kept_by_documents():
     assert (out.mode, out.shear_mode, out.antiplane) == ("antiplane", "III", True)
     assert out != scene
     assert "mode" not in scene_document(scene)
-    for one in (scene, out):
-        assert scene_from_document(scene_document(one)) == one
+    for problem in (scene, out):
+        assert scene_from_document(scene_document(problem)) == problem
 
 
 def test_first_wave_is_that_of_shear_where_it_acts_alone():

@@ -27,7 +27,7 @@ def at(v):
 
 def ends(zones):
     """Slownesses of the edges of zones, None where they are open, and their senses."""
-    return [(*(edge and edge.v[0] for edge in (one.left, one.right)), one.sense) for one in zones]
+    return [(*(edge and edge.v[0] for edge in (gap.left, gap.right)), gap.sense) for gap in zones]
 
 
 def wrong(zone, left, right, touches=(False, False), sense=1):

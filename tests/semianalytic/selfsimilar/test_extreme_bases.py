@@ -111,7 +111,7 @@ def test_tractions_under_a_base_that_dwarfs_the_load(nu, friction, load, mode, r
     for rtol in (1e-4, 1e-6):
         solution = solve(scene, rtol=rtol)
         assert solution.status == "converged"
-        changes = [one.shear_traction(X, 1.0) - scene.base.shear for one in (solution, truth)]
+        changes = [answer.shear_traction(X, 1.0) - scene.base.shear for answer in (solution, truth)]
         assert np.abs(changes[0] - changes[1]).max() <= (
             solution.error_estimate + truth.error_estimate + 1e-15 * ratio
         )
@@ -139,7 +139,7 @@ def test_a_second_zone_is_not_hidden_by_what_is_left_at_the_edge_of_the_first(
     assert (loose.status == "converged") == (len(fine.zones) == len(loose.zones))
     speeds = np.array([(zone.inner, zone.outer) for zone in fine.zones])
     x = np.concatenate([np.linspace(inner, outer, 13)[1:-1] for inner, outer in speeds])
-    rates = [one.slip_rate(x, 1.0) for one in (loose, fine)]
+    rates = [answer.slip_rate(x, 1.0) for answer in (loose, fine)]
     error = np.abs(rates[0] - rates[1]).max() / np.abs(rates[1]).max()
     assert error <= loose.error_estimate + fine.error_estimate
 
@@ -213,7 +213,7 @@ def test_slip_against_a_base_at_friction_does_not_begin_at_the_front(law):
     assert [zone.sense for zone in at.zones] == [-1, -1, 1]
     assert at.zones[-1].outer == pytest.approx(front, rel=1e-12)
     assert 1e-5 < 1 - at.zones[-2].outer / front < 1e-3
-    slip, near, far = (one.slip(X, 1.0) for one in (at, below, other))
+    slip, near, far = (answer.slip(X, 1.0) for answer in (at, below, other))
     largest = np.abs(slip).max()
     assert np.abs(slip - near).max() < 1e-9 * largest
     assert np.abs(slip - far).max() > 1e-6 * largest
@@ -288,17 +288,17 @@ def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu)
 @pytest.mark.slow
 def test_weak_friction_converges_and_its_estimates_are_honest():
     random = np.random.default_rng(1)
-    for one in random_weak_scenes(200):
+    for scene in random_weak_scenes(200):
         rtol = float(10 ** random.uniform(-10, -3))
-        rough, fine = solve(one, rtol=rtol), solve(one, rtol=1e-11)
-        assert rough.status == fine.status == "converged", one
-        assert len(rough.zones) == len(fine.zones), one
+        rough, fine = solve(scene, rtol=rtol), solve(scene, rtol=1e-11)
+        assert rough.status == fine.status == "converged", scene
+        assert len(rough.zones) == len(fine.zones), scene
         shift = np.abs(edges_from_c(rough) - edges_from_c(fine)).max(initial=0.0)
-        assert shift <= rough.error_estimate + fine.error_estimate, one
+        assert shift <= rough.error_estimate + fine.error_estimate, scene
         xi = np.concatenate([np.linspace(0.02, 0.85, 40), np.linspace(1.01, 1.1, 5)])
         rates = [solution.slip_rate(xi, 1.0) for solution in (rough, fine)]
         error = np.abs(rates[0] - rates[1]).mean() / np.abs(rates[1]).max()
-        assert error <= rough.error_estimate + fine.error_estimate, one
+        assert error <= rough.error_estimate + fine.error_estimate, scene
 
 
 @pytest.mark.thinned(12)

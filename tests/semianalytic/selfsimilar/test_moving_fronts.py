@@ -75,17 +75,17 @@ def test_opening_from_the_edge_in_closed_form(p):
     assert opening.outer == pytest.approx(1 / start, rel=1e-11)
 
 
-def compared(one, other, away):
+def compared(first, other, away):
     """Largest differences of all fields of two solutions, away from c_R."""
-    speed = one.scene.material.rayleigh_speed
+    speed = first.scene.material.rayleigh_speed
     x = np.linspace(0.013, 2.1, 80)
     x = x[np.abs(x - speed) > 0.02]
-    assert len(one.zones) == len(other.zones)
+    assert len(first.zones) == len(other.zones)
     for name in ("slip_rate", "slip", "shear_traction", "pressure", "gap"):
-        a, b = getattr(one, name)(x, 1.0), getattr(other, name)(x, 1.0)
+        a, b = getattr(first, name)(x, 1.0), getattr(other, name)(x, 1.0)
         assert a == pytest.approx(b, abs=away), name
-    assert one.stress_intensity(1.0) == pytest.approx(other.stress_intensity(1.0), abs=away)
-    assert one.edge_speeds == pytest.approx(other.edge_speeds, abs=away)
+    assert first.stress_intensity(1.0) == pytest.approx(other.stress_intensity(1.0), abs=away)
+    assert first.edge_speeds == pytest.approx(other.edge_speeds, abs=away)
 
 
 @pytest.mark.parametrize(
@@ -96,8 +96,8 @@ def test_normal_incidence_is_the_remote_step(kind, stress, base):
     wave = IncidentWave(kind, 0.0, stress=stress, from_="above")
     scene = Scene(SOLID, 0.3, Tractions(*base), wave)
     step = replace(scene, load=wave.tractions(SOLID), load_on="remote")
-    one, other = solve(scene), solve(step)
-    compared(one, other, 0.0)
+    first, other = solve(scene), solve(step)
+    compared(first, other, 0.0)
     # and nearly normal incidence is nearly that, at no finer rules or more panels
     near = solve(replace(scene, load=replace(wave, angle=1e-4)))
     compared(near, other, 2e-5)
@@ -172,8 +172,8 @@ def test_physics_and_errors_of_many_random_scenes(scene):
     held, off = scene.superposition
     loaded = 1.0 - scene.front_slowness * slot >= 0
     fine = solve(scene, rtol=1e-12)
-    for one, face in ((one, face) for one in (solution, fine) for face in (0.0, -0.0)):
-        sigma, bound = one.stress(slot, face, 1.0), max(2e-6, one.field_error)
+    for answer, face in ((answer, face) for answer in (solution, fine) for face in (0.0, -0.0)):
+        sigma, bound = answer.stress(slot, face, 1.0), max(2e-6, answer.field_error)
         for row, sign, name in ((1, -1, "pressure"), (-1, 1, "shear")):
             left = getattr(held, name) - getattr(off, name)
             expected = np.where(loaded, left, getattr(scene.base, name))

@@ -68,13 +68,13 @@ def test_nothing_moves_along_the_interface_without_shear(scene):
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [tapped(held=0.004), lifted(held=0.2), tapped(5.0, 0.1)])
 def test_reversed_shear_reverses_slip(scene):
-    base, load = (replace(one, shear=-one.shear) for one in (scene.base, scene.load))
+    base, load = (replace(traction, shear=-traction.shear) for traction in (scene.base, scene.load))
     solution, mirrored = solve(scene), solve(replace(scene, base=base, load=load))
     assert mirrored.openings == solution.openings
     assert [zone.sense for zone in mirrored.zones] == [-zone.sense for zone in solution.zones]
     x = np.linspace(0.05, 2.1, 60)
     for name in ("slip_rate", "slip", "shear_traction"):
-        there, here = (getattr(one, name)(x, 1.0) for one in (mirrored, solution))
+        there, here = (getattr(answer, name)(x, 1.0) for answer in (mirrored, solution))
         np.testing.assert_allclose(there, -here, rtol=0, atol=1e-9)
 
 
@@ -211,8 +211,8 @@ def errors(solution, exact):
     result = {}
     if [zone.sense for zone in solution.zones] == [zone.sense for zone in exact.zones]:
         ends, known = (
-            np.array([(part.inner, part.outer) for part in (*one.zones, *one.openings)]).ravel()
-            for one in (solution, exact)
+            np.array([(part.inner, part.outer) for part in (*entry.zones, *entry.openings)]).ravel()
+            for entry in (solution, exact)
         )
         result["edges"] = np.abs(ends - known).max(initial=0.0)
         marks += known.tolist()
@@ -224,24 +224,24 @@ def errors(solution, exact):
     x = x[x > 0]
     far = np.abs(x[:, None] - marks).min(axis=1) >= 0.999 * CLEAR
     for name in ("slip_rate", "gap_rate"):
-        result[name] = relative(*(getattr(one, name)(x, 1.0)[far] for one in (solution, exact)))
-    found, known = (one.shear_traction(x, 1.0)[far] for one in (solution, exact))
+        result[name] = relative(*(getattr(entry, name)(x, 1.0)[far] for entry in (solution, exact)))
+    found, known = (answer.shear_traction(x, 1.0)[far] for answer in (solution, exact))
     result["shear"] = (np.abs(found - known) / (exact.stress_unit + np.abs(known))).max()
-    found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
+    found, known = (answer.pressure(x, 1.0)[far] for answer in (solution, exact))
     size = scene.base.pressure + abs(scene.load.pressure)
     result["pressure"] = (np.abs(found - known) / np.maximum(size + known, 1e-300)).max()
     parts = (*exact.zones, *exact.openings)  # they may lie between two positions
     x = np.concatenate([x, *(np.linspace(part.inner, part.outer, 42)[1:-1] for part in parts)])
     for name in FIELDS:
-        result[name] = relative(*(getattr(one, name)(x, 1.0) for one in (solution, exact)))
+        result[name] = relative(*(getattr(answer, name)(x, 1.0) for answer in (solution, exact)))
     for name in TOTALS:
-        result[name] = relative(*(getattr(one, name)(1.0) for one in (solution, exact)))
-    found, known = (one.frictional_power(1.0, x[x < 2.2][::20]) for one in (solution, exact))
+        result[name] = relative(*(getattr(answer, name)(1.0) for answer in (solution, exact)))
+    found, known = (answer.frictional_power(1.0, x[x < 2.2][::20]) for answer in (solution, exact))
     result["power of a part"] = np.abs(found - known).max() / max(
         float(exact.frictional_power(1.0)), 1e-300
     )
     result["edge slip rate"] = relative(solution.edge_slip_rate, exact.edge_slip_rate)
-    pairs = zip(*(one.stress_intensity(1.0) for one in (solution, exact)), strict=True)
+    pairs = zip(*(answer.stress_intensity(1.0) for answer in (solution, exact)), strict=True)
     return result | {f"K {mode}": relative(*pair) for mode, pair in enumerate(pairs)}
 
 

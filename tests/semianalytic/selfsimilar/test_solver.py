@@ -18,8 +18,8 @@ from semianalytic.reference import (
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
-    viscous_antiplane_edge_speed,
-    viscous_antiplane_slip_rate,
+    viscous_edge_speed,
+    viscous_slip_rate,
 )
 from semianalytic.regimes import regime
 from tests.semianalytic.selfsimilar.films.test_viscous import check_honest
@@ -55,8 +55,8 @@ def test_closed_forms_are_met(name, nu):
     """Also in units of length, stress and time that are not 1."""
     scale, solid = 1.5, sf.Material(2.0, 3.0, nu)
     base, load = (
-        sf.Tractions(scale * one.pressure, scale * one.shear)
-        for one in (KNOWN[name].base, KNOWN[name].load)
+        sf.Tractions(scale * traction.pressure, scale * traction.shear)
+        for traction in (KNOWN[name].base, KNOWN[name].load)
     )
     scene = replace(KNOWN[name], material=solid, base=base, load=load)
     solution = sf.solve(scene, rtol=1e-11)
@@ -222,9 +222,9 @@ def test_base_shear_shifts_the_strength(base, load):
 @pytest.mark.parametrize("viscosity", [0.01, 0.25, 2.0])
 def test_viscous_zone(viscosity):
     scene = antiplane(0.5, law=sf.Coulomb(1.0, viscosity=viscosity))
-    solution, edge = sf.solve(scene, rtol=1e-11), viscous_antiplane_edge_speed(UNIT, 0.5, viscosity)
+    solution, edge = sf.solve(scene, rtol=1e-11), viscous_edge_speed(UNIT, 0.5, viscosity, "III")
     assert solution.zones[0].outer == pytest.approx(edge, rel=1e-11)
-    rate = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, viscosity, SHARES * edge)
+    rate = viscous_slip_rate(UNIT, 1.0, 0.5, viscosity, SHARES * edge, "III")
     np.testing.assert_allclose(solution.slip_rate(SHARES * edge, 1.0), rate, atol=1e-11)
 
 

@@ -128,11 +128,11 @@ def test_pressure_behind_the_opening_goes_with_the_intensity_at_the_contact_edge
 
 
 def test_fields_scale_with_the_units():
-    one, other = pressed(0.3, 0.02), pressed(0.3, 6.0, 300.0, shear_modulus=50.0, density=2.0)
+    first, other = pressed(0.3, 0.02), pressed(0.3, 6.0, 300.0, shear_modulus=50.0, density=2.0)
     x = np.array([0.3, 0.7, 1.2, 1.7])
-    np.testing.assert_allclose(other.gap(5 * x, 1.0), 30 * one.gap(x, 1.0), rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(other.gap_rate(5 * x, 1.0), 30 * one.gap_rate(x, 1.0), rtol=1e-9)
-    np.testing.assert_allclose(other.pressure(5 * x, 1.0), 300 * one.pressure(x, 1.0), rtol=1e-9)
+    np.testing.assert_allclose(other.gap(5 * x, 1.0), 30 * first.gap(x, 1.0), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(other.gap_rate(5 * x, 1.0), 30 * first.gap_rate(x, 1.0), rtol=1e-9)
+    np.testing.assert_allclose(other.pressure(5 * x, 1.0), 300 * first.pressure(x, 1.0), rtol=1e-9)
 
 
 def test_what_stays_closed_has_no_opening():

@@ -59,7 +59,7 @@ def test_files_describe_the_named_ones(tmp_path):
 @pytest.mark.parametrize("name", LINES)
 def test_in_si_units_edges_are_at_the_same_share_of_the_shear_wave(name):
     plain, si = find(name), in_si_units(find(name))
-    speeds = [solve(one).edge_speed / one.material.shear_speed for one in (plain, si)]
+    speeds = [solve(scene).edge_speed / scene.material.shear_speed for scene in (plain, si)]
     assert speeds[1] == pytest.approx(speeds[0], rel=1e-11)
     assert si.base.pressure == 1e6 * plain.base.pressure
 

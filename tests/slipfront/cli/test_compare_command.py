@@ -170,7 +170,7 @@ def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monk
     assert heads == "quantity exact at nodes FEM differ by bar ± verdict"
     table = lines[lines.index(next(line for line in lines if line.startswith(" quantity"))) :]
     verdicts = [word for line in table[: table.index("")] for word in line.split()]
-    assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
+    assert [verdict for verdict in verdicts if verdict in ("agrees", "differs", "unresolved")] == [
         row["verdict"] for row in reported(simulated)["rows"]
     ]
 

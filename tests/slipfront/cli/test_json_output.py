@@ -31,7 +31,7 @@ def commands(group=None, before=""):
 
 def test_every_command_has_json_and_a_schema():
     for name, command in commands():
-        assert "--json" in {word for one in command.params for word in one.opts}, name
+        assert "--json" in {word for param in command.params for word in param.opts}, name
         assert name in DOCUMENTS, name
     assert set(DOCUMENTS) == {name for name, _ in commands()}
 

@@ -158,7 +158,7 @@ def test_a_method_of_a_package_is_asked_after_ours(installed, printed):
     with pytest.raises(sf.SceneError, match=r"rigid: it takes blocks alone\."):
         sf.solve(None)
     assert ("method", "rigid") in {
-        (one["what"], one["name"]) for one in printed("scenes")["brought"]
+        (plugin["what"], plugin["name"]) for plugin in printed("scenes")["brought"]
     }
 
 
@@ -182,7 +182,7 @@ def test_scenes_of_packages_are_listed_with_them(granite, shown, printed):
     assert (row["name"], row["package"], row["problem"]) == ("granite", "granite", "")
     assert row["summary"].startswith("Granite that loses a third")
     assert row["scene"]["units"] == "SI"
-    brought = {(one["what"], one["name"]) for one in document["brought"]}
+    brought = {(plugin["what"], plugin["name"]) for plugin in document["brought"]}
     assert ("friction law", "hyperbolic-weakening") in brought
     assert ("figure", "slip") in brought
     assert "From other packages" in shown("scenes").out

@@ -20,8 +20,8 @@ from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.explore import controls, jobs, maps, views
 from slipfront.explore.board import Board
-from slipfront.explore.jobs import MarchViews, Moment, marched_field, marched_views, moment_in
-from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
+from slipfront.explore.jobs import Moment, marched_field, moment_in
+from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, NO_FIELD, Session
 from slipfront.explore.pictures import SHADES, SpaceTimePicture
 from slipfront.explore.serving import make_server
 from slipfront.explore.work import Worker
@@ -29,8 +29,8 @@ from slipfront.explore.work import Worker
 STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
 )
-NAMED = {name: one.scene for name, one in NAMED_SCENES.items()}
-SCENES = {name: one for name, one in NAMED.items() if one.has_slot and not one.grows}
+NAMED = {name: scene.scene for name, scene in NAMED_SCENES.items()}
+SCENES = {name: listed for name, listed in NAMED.items() if listed.has_slot and not listed.grows}
 SCENES["steel"] = STEEL
 
 
@@ -68,14 +68,14 @@ def test_the_address_holds_the_scene_its_units_and_the_moment():
     assert given_to(session)["moment"] == moment._asdict()
     values = given_to(session)["values"]
     assert values == controls.defaults(STEEL)
-    sliders = {one["name"]: one for one in given_to(session)["sliders"]}
+    sliders = {slider["name"]: slider for slider in given_to(session)["sliders"]}
     for name, dimension in UNITS_OF.items():
         assert sliders[name]["unit"] == unit(dimension, "SI")
     assert sliders["base_pressure"]["high"] == 1e7
     assert sliders["base_pressure"]["step"] == 1e4
     session._answer_to({"query": controls.query_of(controls.defaults(find_scene("tap")))})
     told = told_by(session)
-    assert {one["unit"] for one in told["sliders"]} >= {"stress", "time"}
+    assert {slider["unit"] for slider in told["sliders"]} >= {"stress", "time"}
     assert told["values"]["units"] == ""
 
 
@@ -86,7 +86,7 @@ def test_sliders_stay_as_they_are_while_they_serve():
     session._answer_to({"query": "?load_shear=100000"})
     assert told_by(session)["sliders"] == before
     session._answer_to({"query": "?load_shear=1e9"})
-    (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
+    (slider,) = (slider for slider in told_by(session)["sliders"] if slider["name"] == "load_shear")
     assert slider["high"] == 2e9
 
 
@@ -203,20 +203,23 @@ def test_strips_that_are_not_empty_do_not_read_so(friction, nu, alone):
     for _, text in readings:
         ends += text.removesuffix(" c_t").split(" … ")
         assert float(ends[-2]) < float(ends[-1])
-    assert [float(one) for one in ends] == sorted(map(float, ends))
+    assert [float(end) for end in ends] == sorted(map(float, ends))
     zones = solve(scene, rtol=MOVING_RTOL).zones
     expected = ["slip" if zone.sense > 0 else "reverse slip" for zone in zones]
     assert [kind for kind, _ in readings] == expected
 
 
 @pytest.mark.slow
-def test_a_pulse_at_an_angle_is_marched_without_a_field():
+def test_a_pulse_at_an_angle_is_marched_without_a_field(alone):
     values = controls.defaults(find_scene("incident-sv")) | {"history": "pulse", "duration": 0.4}
     scene = controls.scene_of(values | {"shape": "triangle"})
     assert scene.pressure_history == scene.shear_history != Step()
-    found = jobs.marched_views(scene, jobs.Moment(), lambda *_: None)
-    assert found.field is None
-    assert found.marched.status == "resolved"
+    marched = jobs.marched(scene, lambda *_: None)
+    assert marched.status == "resolved"
+    session = Session(Document(), scene, "")
+    session._march_news("result", marched)
+    assert told_by(session)["message"] == NO_FIELD
+    assert alone == []
 
 
 def test_a_worker_answers_refuses_and_is_stopped():
@@ -279,7 +282,7 @@ def test_a_field_that_comes_late_is_not_drawn_over_a_march(alone):
     session._show(values | {"law": "slip-weakening"}, False, 0.0)
     session._field_news("result", views.field_view(solved(STEEL), 6))
     assert session._field._image.data is drawn
-    assert alone[-1][0] is marched_views
+    assert alone[-1][0] is jobs.marched
 
 
 @pytest.mark.thinned(2)
@@ -304,15 +307,15 @@ def test_another_moment_of_a_march_is_not_marched_anew(alone):
     session = Session(Document(), scene, "")
     values = controls.defaults(scene)
     session._answer_to({"values": values, "moving": False, "since": 0.0})
-    assert alone.pop()[0] is marched_views
-    field = views.field_view(marched, 4)
-    session._march_news("result", MarchViews(marched, Moment(), field))
+    assert alone.pop()[0] is jobs.marched
+    session._march_news("result", marched)
+    assert alone.pop()[0] is marched_field
     alone.clear()
     session._answer_to({"values": values, "moving": False, "since": 0.0, "share": 0.5})
     assert [job[0] for job in alone] == [marched_field]
     assert not told_by(session).get("stale")
     session._answer_to({"values": values | {"friction": 0.2}, "moving": False, "since": 0.0})
-    assert alone[1][0] is marched_views
+    assert alone[1][0] is jobs.marched
 
 
 def test_a_map_is_kept_and_found_again(alone):
@@ -344,7 +347,7 @@ def test_only_this_machine_and_its_own_pages_are_answered():
     try:
         allowed = server._tornado.websocket_origins
         assert allowed == {f"{name}:{server.port}" for name in ("localhost", "127.0.0.1")}
-        addresses = {one.getsockname()[0] for one in server._http._sockets.values()}
+        addresses = {entry.getsockname()[0] for entry in server._http._sockets.values()}
         assert addresses == {"127.0.0.1"}
     finally:
         server.stop()

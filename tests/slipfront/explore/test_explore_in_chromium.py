@@ -114,7 +114,7 @@ def test_no_program_from_an_address_runs(browser, address):
     browser.value(INJECTED)
     _until(browser, "one.firstChild.complete")
     assert browser.value("document.title") == "slipfront explore"
-    refused = [one for one in _errors(browser, address) if "Content Security Policy" in str(one)]
+    refused = [item for item in _errors(browser, address) if "Content Security Policy" in str(item)]
     assert len(refused) >= 2
 
 
@@ -141,7 +141,7 @@ def test_a_link_in_si_has_its_units_and_ranges_on_a_page_without_units(browser, 
 
 def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
     _until(page, THERE)
-    before, speed, address = (page.value(one) for one in (RATE, SPEED, "location.search"))
+    before, speed, address = (page.value(script) for script in (RATE, SPEED, "location.search"))
     steps = page.value("history.length")
     page.value("document.getElementById('friction').focus()")
     for _ in range(5):

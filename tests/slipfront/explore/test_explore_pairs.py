@@ -44,7 +44,7 @@ def test_the_menu_has_pairs_and_controls_are_shown_with_another_body():
     variables = session._document.template_variables
     assert set(NAMED_PAIRS) <= set(variables["scenes"])
     shown = variables["given"]["shown"]["lower_body"]
-    assert shown[controls.ANOTHER] == controls.LOWER[controls.ANOTHER]
+    assert shown[controls.ANOTHER] == controls.PARTS["lower_body"][controls.ANOTHER]
     assert set(shown[controls.ANOTHER]) <= set(variables["sliders"])
 
 

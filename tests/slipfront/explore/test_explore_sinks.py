@@ -183,7 +183,7 @@ def test_every_control_has_a_label(front):
     """Whose text the program of the page writes: `test_labels_are_filled`, in Chromium."""
     tags = Pieces(front.body.decode()).tags
     named = {attributes.get("for") for tag, attributes in tags if tag == "label"}
-    controls = [one for one in enumerate(tags) if one[1][0] in ("input", "select")]
+    controls = [tag for tag in enumerate(tags) if tag[1][0] in ("input", "select")]
     assert len(controls) > 20
     for index, (tag, attributes) in controls:
         assert attributes["id"] in named or (tag, tags[index - 1][0]) == ("select", "label")

@@ -61,7 +61,7 @@ def test_an_address_that_is_no_scene_is_refused(query, words):
 
 def test_numbers_of_any_size_are_a_scene_or_a_refusal():
     """What an address may hold is not only what sliders reach."""
-    numbers = [one.name for one in controls.sliders(STEEL)] + ["shear_modulus", "density"]
+    numbers = [slider.name for slider in controls.sliders(STEEL)] + ["shear_modulus", "density"]
     sizes = ("0", "-1", "0.3", "5e6", "1e30", "1e-30", "1e155", "1e308", "-1e308", "5e-324", "nan")
     draw, shown = np.random.default_rng(8), 0
     for _ in range(300):
@@ -70,7 +70,7 @@ def test_numbers_of_any_size_are_a_scene_or_a_refusal():
         with contextlib.suppress(SceneError):
             values = controls.values_from_query(query, STEEL)
             sliders = controls.sliders(controls.scene_of(values))
-            json.dumps([values, [asdict(one) for one in sliders]], allow_nan=False)
+            json.dumps([values, [asdict(slider) for slider in sliders]], allow_nan=False)
             shown += 1
     assert shown > 30
 
@@ -134,7 +134,7 @@ def test_pictures_end_near_what_happens_where_the_p_wave_is_far_ahead():
 
 def test_the_angle_of_a_wave_has_a_slider_and_its_front_is_drawn():
     scene = find_scene("incident-sv")
-    (slider,) = (one for one in controls.sliders(scene) if one.name == "angle")
+    (slider,) = (slider for slider in controls.sliders(scene) if slider.name == "angle")
     assert (slider.low, slider.high) == (-controls.STEEPEST, controls.STEEPEST)
     values = controls.defaults(scene)
     turned = controls.scene_of(values | {"angle": -35.0})
@@ -154,7 +154,7 @@ def test_a_map_names_regimes(law, monkeypatch):
     monkeypatch.setattr(maps, "SIZE_ONE_BY_ONE", 3)
     scene = unit_scene(law=law)
     told = []
-    drawn = maps.regime_map(scene, lambda *one: told.append(one))
+    drawn = maps.regime_map(scene, lambda *arguments: told.append(arguments))
     size = len(drawn.image)
     assert told[-1] == (size, size)
     low, high = drawn.friction

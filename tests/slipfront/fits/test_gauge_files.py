@@ -27,8 +27,8 @@ def written(folder, text, name="a.csv"):
 
 def test_a_table_of_gauges_is_read_as_it_says(tmp_path):
     rate, stress, strain = read_gauges([written(tmp_path, TABLE)])
-    assert [one.quantity for one in (rate, stress, strain)] == ["slip_rate", "sxy", "exx"]
-    assert [one.name for one in (strain, stress, rate)] == ["exx-1", "sxy-1", "slip_rate-1"]
+    assert [record.quantity for record in (rate, stress, strain)] == ["slip_rate", "sxy", "exx"]
+    assert [record.name for record in (strain, stress, rate)] == ["exx-1", "sxy-1", "slip_rate-1"]
     assert (strain.x, strain.y, rate.x, rate.y) == (0.02, 0.0035, 0.04, None)
     np.testing.assert_allclose(strain.t, [0, 1e-6, 2e-6])
     np.testing.assert_allclose(strain.values, [1e-6, 4e-6, 3e-6])  # of one time the last counts
@@ -51,7 +51,7 @@ def test_strain_may_be_in_any_of_its_units(unit, tmp_path):
 def test_places_without_y_are_of_the_interface_and_noise_may_be_told(tmp_path):
     path = written(tmp_path, "t,x,V,tau,other\n0,0.2,1,2,9\n1,0.2,1,3,9\n0,0.1,5,6,9\n")
     gauges = read_gauges([path], {"slip_rate": 0.5, "": 2.0})
-    assert [(one.name, one.x, one.noise) for one in gauges] == [
+    assert [(gauge.name, gauge.x, gauge.noise) for gauge in gauges] == [
         ("slip_rate-1", 0.1, 0.5),
         ("slip_rate-2", 0.2, 0.5),
         ("shear_traction-1", 0.1, 2.0),
@@ -65,13 +65,13 @@ def test_files_of_other_codes_are_gauges_too(tmp_path):
     assert (gauge.x, gauge.quantity, gauge.noise) == (0.3, "slip_rate", 0.1)
     arrays = tmp_path / "a.npz"
     np.savez(arrays, t=np.arange(3.0), x=np.array([0.1, 0.2]), slip=np.ones((3, 2)))
-    assert [one.x for one in read_gauges([arrays, path], {"": 0.1})] == [0.1, 0.2, 0.3]
+    assert [gauge.x for gauge in read_gauges([arrays, path], {"": 0.1})] == [0.1, 0.2, 0.3]
 
 
 def test_records_of_the_field_command_are_read(tmp_path):
     head = "# slipfront field preloaded\nt [s],x [m],y [m],v_x [m/s],sigma_xx [Pa],eps_xy [1]\n"
     gauges = read_gauges([written(tmp_path, head + "0,1,0.1,2,3,4\n")], {"": 1.0})
-    assert [one.quantity for one in gauges] == ["vx", "sxx", "exy"]
+    assert [gauge.quantity for gauge in gauges] == ["vx", "sxx", "exy"]
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_bad_files_are_one_sentence(tmp_path, text, message):
 
 
 def test_no_file_is_refused(tmp_path):
-    with pytest.raises(DataFileError, match="name one at least"):
+    with pytest.raises(DataFileError, match="name at least one"):
         read_gauges([])
     with pytest.raises(DataFileError, match="does not exist"):
         read_gauges([tmp_path / "b.csv"])
@@ -143,14 +143,14 @@ def test_gauges_are_what_files_say_of_their_columns(kind, tmp_path):
     mean = "# the mean over the step from t to t + 0.02\n" if kind == "mean" else ""
     paths = station_files(tmp_path, header, columns, comments="# x1 {x}\n" + mean)
     gauges, notes, _ = gauges_and_notes(paths, {"": 1e-3}, ANSWER.scene)
-    found = [one for one in gauges if one.quantity == quantity]
-    assert [one.x for one in found] == list(PLACES)
+    found = [gauge for gauge in gauges if gauge.quantity == quantity]
+    assert [answer.x for answer in found] == list(PLACES)
     rtol = 2e-3 if kind == "mean" else 1e-12
-    for one in found:
-        exact = getattr(ANSWER, quantity)(one.x, one.t)
-        away = one.t > one.x * 1.5 if kind == "mean" else one.t > 0  # a mean smooths the front
-        np.testing.assert_allclose(one.values[away], exact[away], rtol=rtol, atol=1e-12)
-        assert one.noise == (2e-3 if kind in ("upper", "lower") else 1e-3)
+    for item in found:
+        exact = getattr(ANSWER, quantity)(item.x, item.t)
+        away = item.t > item.x * 1.5 if kind == "mean" else item.t > 0  # a mean smooths the front
+        np.testing.assert_allclose(item.values[away], exact[away], rtol=rtol, atol=1e-12)
+        assert item.noise == (2e-3 if kind in ("upper", "lower") else 1e-3)
     said = {"upper": "doubled", "lower": "doubled", "change": "the base of the scene is added",
             "tension": "tension is positive", "mean": "stands for its middle"}  # fmt: skip
     found = {words for words in said.values() for note in notes if words in note}
@@ -159,7 +159,7 @@ def test_gauges_are_what_files_say_of_their_columns(kind, tmp_path):
 
 def test_what_does_not_follow_from_a_file_is_refused(tmp_path):
     change = station_files(tmp_path, *KINDS["change"][:2])
-    with pytest.raises(DataFileError, match="say of which scene"):
+    with pytest.raises(DataFileError, match="name the scene"):
         read_gauges(change, {"": 1.0})
     for name in ("base_shear", "gain"):
         with pytest.raises(DataFileError, match=f"do not say {name}"):
@@ -184,9 +184,9 @@ def test_gauges_are_at_all_places_that_the_scene_has(form, tmp_path):
         np.savez(tmp_path / "a.npz", t=T, x=places, slip=np.ones((len(T), 3)))
         paths = [tmp_path / "a.npz"]
     gauges = read_gauges(paths, {"": 1.0}, find("cattaneo"))
-    assert [one.x for one in gauges] == places
+    assert [gauge.x for gauge in gauges] == places
     gauges, notes, _ = gauges_and_notes(paths, {"": 1.0}, ANSWER.scene)
-    assert [one.x for one in gauges] == [0.5]
+    assert [gauge.x for gauge in gauges] == [0.5]
     assert any("off the contact of the scene" in note for note in notes)
 
 
@@ -205,7 +205,7 @@ def test_a_table_with_a_column_for_each_gauge(tmp_path):
     places = {"D1": ("slip", 0.03, 0), "e2": ("exy", -0.01, 0.002), "SG1": ("exx", 0.02, 0.003)}
     path = written(tmp_path, text)
     gauges, _, unread = gauges_and_notes([path], {"": 1e-6}, gauges=places)
-    found = {one.name: (one.quantity, one.x, one.y, one.values.tolist()) for one in gauges}
+    found = {item.name: (item.quantity, item.x, item.y, item.values.tolist()) for item in gauges}
     assert found == {
         "D1": ("slip", 0.03, None, pytest.approx([3e-6, 4e-6])),
         "e2": ("exy", -0.01, 0.002, pytest.approx([2e-6])),
@@ -214,7 +214,7 @@ def test_a_table_with_a_column_for_each_gauge(tmp_path):
     assert gauges[0].t.tolist() == [0, 1e-6]
     assert unread == ("trigger",)
     for name, place, message in (
-        ("SG1", ("exx", 0.02), "exx is of the bodies; say at which y"),
+        ("SG1", ("exx", 0.02), "exx is a quantity in the bodies; give y"),
         ("SG3", ("exx", 0.02, 0.1), "no column 'SG3'"),
         ("SG1", ("e", 0.02), "must be a quantity, x and"),
         ("D1", ("pressure", 0.02), "'um' in the name of 'D1 .um.' is no known unit of stress"),
@@ -231,7 +231,7 @@ def test_what_field_records_can_be_fitted(units, tmp_path):
     t = np.linspace(0.1, 1, 5)
     record = record_fields(solve(find("preloaded")), 0.4, 0.2, t)
     write_record(tmp_path / "gauge.csv", record, units, "slipfront field preloaded")
-    gauges = {one.quantity: one for one in read_gauges([tmp_path / "gauge.csv"], {"": 1e-3})}
+    gauges = {gauge.quantity: gauge for gauge in read_gauges([tmp_path / "gauge.csv"], {"": 1e-3})}
     assert {"vx", "uy", "sxy", "exy"} <= gauges.keys()
     assert (gauges["exy"].x, gauges["exy"].y) == (0.4, 0.2)
     assert gauges["exy"].values == pytest.approx(record.strain[2])

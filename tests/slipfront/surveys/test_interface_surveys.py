@@ -125,8 +125,8 @@ def test_the_command_writes_and_a_refused_point_says_why(fault, printed):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("radius = 1.0", "radius = 1.0\nwidth = 2.0", "width stands in no expression"),
-        ("radius = 1.0", "rate = 1.0", "has a meaning of its own"),
+        ("radius = 1.0", "radius = 1.0\nwidth = 2.0", "width appears in no expression"),
+        ("radius = 1.0", "rate = 1.0", "is a reserved name"),
         ("radius = 1.0", 'radius = "1"', "finite number"),
         ("< radius", "< size", "size is not known here"),
     ],

@@ -37,7 +37,7 @@ def assert_holds(point, solution):
     intensity = np.stack(solution.stress_intensity(1.0))
     assert point.stress_intensity.values == pytest.approx(intensity, rel=off, abs=1e-15)
     assert str(point.status.values) == solution.status
-    opening = [(one.inner, one.outer) for one in solution.openings]
+    opening = [(opening.inner, opening.outer) for opening in solution.openings]
     if "opening" in point:
         expected = np.array(opening[0]) if opening else np.full(2, np.nan)
         assert point.opening.values == pytest.approx(expected, abs=off * speed, nan_ok=True)
@@ -55,7 +55,7 @@ def test_a_grid_holds_what_single_solutions_say():
             assert_holds(data.sel(friction=friction, poisson_ratio=ratio), sf.solve(scene))
     counts = (data.sense != 0).sum("zone").values
     assert {1, 2} <= set(counts.ravel().tolist())
-    solids = [with_numbers(STEEL, {"poisson_ratio": one}).material for one in (0.1, 0.4)]
+    solids = [with_numbers(STEEL, {"poisson_ratio": number}).material for number in (0.1, 0.4)]
     for name in ("rayleigh", "shear", "longitudinal"):
         speeds = [getattr(solid, f"{name}_speed") for solid in solids]
         assert data[f"{name}_speed"].dims == ("poisson_ratio",)
@@ -66,14 +66,14 @@ def test_every_variable_has_unit_and_meaning():
     data = survey(
         STEEL, friction=[0.2, 0.3], base_shear=[0.0, 1e5], load_pressure=0.0, x=[0.1], t=[1e-4]
     )
-    units = {name: one.attrs.get("units") for name, one in data.variables.items()}
+    units = {name: variable.attrs.get("units") for name, variable in data.variables.items()}
     assert units["edges"] == units["shear_speed"] == units["edge_slip_rate"] == "m/s"
     assert units["stress_intensity"] == "Pa sqrt(m)"
     assert units["base_shear"] == units["load_pressure"] == units["pressure"] == "Pa"
     assert (units["x"], units["t"], units["friction"]) == ("m", "s", "1")
     words = ("edge", "mode")
     assert all(unit for name, unit in units.items() if name not in words)
-    assert all(one.attrs["long_name"] for name, one in data.variables.items() if name not in words)
+    assert all(row.attrs["long_name"] for name, row in data.variables.items() if name not in words)
     assert json.loads(data.attrs["scene"]) == scene_document(STEEL)
     assert data.attrs["source"] == f"slipfront {sf.__version__}"
     assert "friction=[0.2, 0.3]" in data.attrs["command"]
@@ -194,12 +194,12 @@ def test_many_points_of_a_plane_are_single_solutions():
         ({"rise_time": [0.1]}, {}, "no parameter 'rise_time'; it has friction, "),
         ({"friction": []}, {}, "must be a number or a row of numbers"),
         ({"friction": [np.nan]}, {}, "must hold finite numbers only"),
-        ({}, {}, "give a row of values"),
+        ({}, {}, "give values of at least one"),
         ({"viscosity": [1], "friction_law.viscosity": [1]}, {}, "viscosity is given twice"),
         (
             {"friction": [1, 2], "density": [1]},
             {"together": True},
-            "as long, got 2 of friction, 1 of density",
+            "equal lengths, got 2 of friction, 1 of density",
         ),
         ({"friction": [0.1]}, {"rtol": -1}, "rtol must be positive"),
         ({"friction": [0.1]}, {"chunk": 0}, "chunk must be a whole number"),

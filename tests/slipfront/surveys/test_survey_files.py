@@ -41,9 +41,9 @@ def asked(path=None, **options):
 
 def plain(data):
     data = data.load().drop_vars("seconds")
-    for name, one in data.variables.items():
-        if one.dtype.kind in "OTU":
-            data[name] = one.dims, one.values.astype(object), one.attrs
+    for name, variable in data.variables.items():
+        if variable.dtype.kind in "OTU":
+            data[name] = variable.dims, variable.values.astype(object), variable.attrs
     return data[sorted(map(str, data.data_vars))]
 
 
@@ -68,16 +68,16 @@ def test_files_hold_the_survey_with_units_and_statuses(together, tmp_path, known
         assert plain(found).identical(known)
         assert found.edges.attrs["units"] == "length/time"
         assert values.keys() - {"together"} <= set(found.coords)
-    assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
     refused = [status for status in known.status.values.ravel() if status != "converged"]
-    assert all(re.match("(scene: base pressure|Coulomb: friction) must", one) for one in refused)
+    assert all(re.match("(scene: base pressure|Coulomb: friction) must", case) for case in refused)
     assert refused
 
 
 def test_an_interrupted_survey_goes_on(tmp_path, known, monkeypatch):
     path = tmp_path / "a.nc"
     interrupted_after(2, path)
-    assert [one.name for one in tmp_path.iterdir()] == [store_folder(path).name]
+    assert [path.name for path in tmp_path.iterdir()] == [store_folder(path).name]
     kept = sorted(store_folder(path).glob("*.npz"))
     assert len(kept) == 2
     data = bytearray(kept[0].read_bytes())
@@ -92,7 +92,7 @@ def test_an_interrupted_survey_goes_on(tmp_path, known, monkeypatch):
     assert solved == [CHUNKS - 1]
     assert asked(path).identical(known)  # what is there is read
     assert solved == [CHUNKS - 1]
-    assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
 
 
 def test_another_survey_is_refused(tmp_path):
@@ -147,7 +147,7 @@ def test_a_killed_survey_goes_on(number, tmp_path, known):
     assert process.returncode
     assert list(store_folder(path).glob("*.npz"))
     assert asked(path).identical(known)
-    assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
 
 
 @pytest.mark.slow

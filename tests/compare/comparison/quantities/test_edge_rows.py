@@ -250,13 +250,13 @@ def with_gap_changes(run, change):
     """A run whose companions gape more everywhere than the next finer mesh, by `change` at the end
     and in proportion to time; the changes double with the element size."""
 
-    def raised(one, more, change):
-        if one is None:
+    def raised(first, more, change):
+        if first is None:
             return None
-        seen = one.interface
+        seen = first.interface
         gap = seen.gap + more * seen.t[:, None] / seen.t[-1]
-        below = raised(one.companion, more + change, 2 * change)
-        return replace(one, interface=replace(seen, gap=gap), companion=below)
+        below = raised(first.companion, more + change, 2 * change)
+        return replace(first, interface=replace(seen, gap=gap), companion=below)
 
     return raised(run, 0.0, change)
 

@@ -256,13 +256,13 @@ def test_invariants(history, friction, share, nu):
 
 
 def test_direction_of_the_load_is_that_of_the_slip():
-    one = march(preloaded(shear_history=sf.Harmonic(1.0)), nodes=100)
+    run = march(preloaded(shear_history=sf.Harmonic(1.0)), nodes=100)
     other = march(preloaded(shear=-1.0, shear_history=sf.Harmonic(1.0)), nodes=100)
-    np.testing.assert_array_equal(one.interface.slip_rate, -other.interface.slip_rate)
+    np.testing.assert_array_equal(run.interface.slip_rate, -other.interface.slip_rate)
 
 
 def test_ramp_without_rise_is_a_step():
-    step, ramp = (march(preloaded(shear_history=one), nodes=50) for one in (sf.Step(), sf.Ramp(0)))
+    step, ramp = (march(preloaded(shear_history=f), nodes=50) for f in (sf.Step(), sf.Ramp(0)))
     np.testing.assert_array_equal(step.interface.slip, ramp.interface.slip)
 
 
@@ -360,7 +360,7 @@ def test_grid_is_as_large_as_shear_waves_reach():
 
 @pytest.mark.thinned(6)
 @pytest.mark.parametrize(
-    "problem", [one for one in problems("exact") if one.scene.antiplane], ids=lambda one: one.name
+    "problem", [row for row in problems("exact") if row.scene.antiplane], ids=lambda case: case.name
 )
 def test_marches_converge_to_exact_solutions(problem):
     """Pressure that changes, viscosity, slip everywhere and ahead of the shear wave."""

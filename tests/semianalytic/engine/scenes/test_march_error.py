@@ -57,9 +57,9 @@ def test_error_of_histories_and_of_slip_weakening_is_honest(problem):
 
 def test_error_counts_the_memory_of_both():
     """March and companion share the transform, so its error does not show in their difference."""
-    rough, fine = (march(PRELOADED, end_time=1.0, nodes=512, tolerance=one) for one in (1e-3, 1e-6))
+    rough, fine = (march(PRELOADED, end_time=1.0, nodes=512, tolerance=tol) for tol in (1e-3, 1e-6))
     assert rate_error(rough, sf.solve(PRELOADED)) <= rough.error_estimate
-    assert rough.error_estimate - fine.error_estimate > rough.checkpoint.memory.error
+    assert rough.error_estimate - fine.error_estimate > rough.checkpoint.layout.kernel.error
 
 
 def test_error_of_any_reading():
@@ -70,12 +70,12 @@ def test_error_of_any_reading():
         assert found[quantity]["true"] <= found[quantity]["estimate"] < 6 * found[quantity]["true"]
     x = np.linspace(0.1, 1.0, 5)
     by_hand = SAMPLED_SAFETY * np.abs(marched.slip(x, 0.7) - marched.companion.slip(x, 0.7))
-    np.testing.assert_array_equal(marched.error_of(lambda one: one.slip(x, 0.7)), by_hand)
+    np.testing.assert_array_equal(marched.error_of(lambda run: run.slip(x, 0.7)), by_hand)
 
 
 def test_error_does_not_depend_on_what_is_stored():
     scene = find_scene("pulse")
-    whole, thin = (march(scene, end_time=1.0, nodes=101, every=one) for one in (1, 10**6))
+    whole, thin = (march(scene, end_time=1.0, nodes=101, every=number) for number in (1, 10**6))
     assert whole.error_estimate == thin.error_estimate > 0
     assert len(thin.companion.interface.t) <= 3
 
@@ -93,7 +93,7 @@ def test_error_is_the_difference_from_the_companion():
     rate = marched.slip_rate(x, t[:, None])
     difference = np.abs(rate - coarse.slip_rate[:, : len(x)])
     share = np.trapezoid(difference.sum(axis=1), t) / np.trapezoid(np.abs(rate).sum(axis=1), t)
-    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.memory.error
+    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.layout.kernel.error
     assert marched.error_estimate == pytest.approx(expected, rel=0.02)
 
 
@@ -121,11 +121,11 @@ def test_a_strip_narrower_than_the_grid_is_told_wherever_it_is():
 
 
 def test_companion_changes_nothing():
-    with_one, alone = (march(SHOCK, end_time=1.0, nodes=100, estimate=one) for one in (True, False))
+    with_one, alone = (march(SHOCK, end_time=1.0, nodes=100, estimate=on) for on in (True, False))
     np.testing.assert_array_equal(with_one.interface.slip_rate, alone.interface.slip_rate)
     assert alone.companion is None
     assert math.isnan(alone.error_estimate)
-    assert np.isnan(alone.error_of(lambda one: one.slip([0.1, 0.2], 0.5))).all()
+    assert np.isnan(alone.error_of(lambda run: run.slip([0.1, 0.2], 0.5))).all()
     assert "no error estimate" in repr(alone)
     assert f"error estimate {with_one.error_estimate:.1e}" in repr(with_one)
 
@@ -138,7 +138,7 @@ def test_companion_is_the_march_at_half_the_nodes(nodes):
     )
     assert 2 * marched.companion.steps == marched.steps
     assert marched.companion.end_time == marched.end_time
-    found, wanted = (one.slip(alone.interface.x, 1.0) for one in (marched.companion, alone))
+    found, wanted = (answer.slip(alone.interface.x, 1.0) for answer in (marched.companion, alone))
     np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4)
 
 
@@ -149,13 +149,13 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
     scene = unit_scene(0.2, shear_history=sf.Harmonic(1.3))
     counted = []
 
-    def progress(done, steps):
-        counted.append((done, steps))
-        return done == stop
+    def progress(time, end):
+        counted.append(round(100 * time / end))
+        return counted[-1] == stop
 
     options = {"end_time": 1.0, "nodes": 100, "every": every, "step_ratio": 0.5}
-    part, whole = (march(scene, progress=one, **options) for one in (progress, None))
-    assert counted == [(done, 100) for done in range(1, stop + 1)]
+    part, whole = (march(scene, progress=call, **options) for call in (progress, None))
+    assert counted == list(range(1, stop + 1))
     assert part.companion.end_time == part.companion.interface.t[-1] == part.end_time
     assert (np.diff(part.companion.interface.t) > 0).all()
     assert not math.isnan(part.error_estimate)
@@ -166,7 +166,7 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
     assert part.steps == stop + stop % 2 == 2 * part.companion.steps
     if part.end_time < 1.0:
         rest = gone_on(part, 1.0)
-        found, wanted = (one.interface.slip[-1] for one in (rest, whole))
+        found, wanted = (answer.interface.slip[-1] for answer in (rest, whole))
         # the memory of a small grid has single precision
         np.testing.assert_allclose(found, wanted, atol=3e-8)
         assert rest.error_estimate == pytest.approx(whole.error_estimate, rel=0.05)
@@ -176,10 +176,10 @@ def test_an_interrupted_march_keeps_what_it_has_and_its_companion_stops_there(st
 def test_companion_is_counted_in_the_memory():
     scene = find_scene("ramp")
     alone, with_one = (
-        march(scene, nodes=400, memory=4_000_000, estimate=one) for one in (False, True)
+        march(scene, nodes=400, memory=4_000_000, estimate=choice) for choice in (False, True)
     )
     assert with_one.checkpoint.every > alone.checkpoint.every > 1
-    kept = sum(32 * one.interface.slip.size for one in (with_one, with_one.companion))
+    kept = sum(32 * answer.interface.slip.size for answer in (with_one, with_one.companion))
     assert kept < 2_500_000
 
 
@@ -216,7 +216,7 @@ def test_out_of_reach_of_the_nodes(monkeypatch, capsys):
 
 
 def test_a_stop_ends_the_search():
-    marched = march(PRELOADED, end_time=1.0, rtol=1e-4, progress=lambda done, steps: done == 40)
+    marched = march(PRELOADED, end_time=1.0, rtol=1e-4, progress=lambda time, _: time > 0.2)
     assert 0 < marched.end_time < 1
     assert marched.nodes == 250
 

@@ -79,7 +79,7 @@ def march_and_witness(scene, nodes, mode, held, strength):
     """
     p, entry, end, length = scene.front_slowness, 0.7, 0.5, 8.0
     marched = march(scene, end_time=end, nodes=nodes, length=1.0, entry=entry, estimate=False)
-    assert marched.interface.t[0] == marched.checkpoint.begins == -p * entry
+    assert marched.interface.t[0] == marched.checkpoint.layout.begins == -p * entry
 
     def glued(x, t):
         return held(front(t, x, p, 1 / nodes, entry), x)
@@ -151,9 +151,9 @@ def test_a_pulse_at_an_angle_is_a_step_less_a_later_one(wave):
 def test_a_wave_of_normal_incidence_is_a_remote_step_and_may_have_a_history():
     wave = sf.Scene(UNIT, 1.2, PRESSED, sf.IncidentWave("P", 0.0, stress=1.0))
     remote = replace(wave, load=sf.Tractions(1.0, 0.0), load_on="remote")
-    one, other = (march(scene, nodes=60, estimate=False) for scene in (wave, remote))
+    first, other = (march(scene, nodes=60, estimate=False) for scene in (wave, remote))
     for name in ("pressure", "shear_traction"):
-        mine, right = (getattr(run.interface, name) for run in (one, other))
+        mine, right = (getattr(run.interface, name) for run in (first, other))
         np.testing.assert_allclose(mine, right, atol=1e-13)
     # a slow ramp far from the edge: the contact carries base and wave as they are
     ramped = march(replace(wave, pressure_history=sf.Ramp(0.5)), nodes=60, estimate=False)
@@ -177,7 +177,7 @@ def test_marches_of_fronts_go_on_and_are_kept(tmp_path):
     part = march(scene, end_time=0.3, nodes=40, length=1.2, latest=0.6)
     part.save(tmp_path / "part.h5")
     longer = gone_on(sf.Marched.load(tmp_path / "part.h5"), 0.6)
-    assert longer.checkpoint.entry == whole.checkpoint.entry > 0
+    assert longer.checkpoint.layout.entry == whole.checkpoint.layout.entry > 0
     x = whole.interface.x[2:]
     off = longer.slip(x, 0.6) - whole.slip(x, 0.6)
     assert np.abs(off).max() < 0.02 * whole.max_slip(0.6)

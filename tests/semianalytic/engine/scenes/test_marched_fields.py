@@ -272,10 +272,10 @@ def test_any_units_will_do():
     time = length / solid.shear_speed
     base, load = sf.Tractions(stress, 0.0), sf.Tractions(0.2 * stress, stress)
     large = sf.Scene(solid, 0.3, base, load, shear_history=sf.Ramp(0.5 * time))
-    one, other = (march(scene, end_time=1.0, nodes=32), march(large, end_time=time, nodes=32))
+    first, other = (march(scene, end_time=1.0, nodes=32), march(large, end_time=time, nodes=32))
     x, y = points(scene, 10)
     units = {"velocity": stress / solid.shear_impedance, "stress": stress}
     for name in QUANTITIES:
         unit = units.get(name, stress * length / solid.shear_modulus)
         scaled = getattr(other, name)(length * x, length * y, 0.9 * time) / unit
-        np.testing.assert_allclose(scaled, getattr(one, name)(x, y, 0.9), atol=1e-6)
+        np.testing.assert_allclose(scaled, getattr(first, name)(x, y, 0.9), atol=1e-6)

@@ -22,9 +22,9 @@ CLEAR = 0.05
 EIGHTH_ORDER = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 
 
-def edges_of(one):
+def edges_of(first):
     """Inner and outer ends of zones, then of openings, of a solution or of its derivative."""
-    parts = (*one.zones, *one.openings)
+    parts = (*first.zones, *first.openings)
     return np.array([(part.inner, part.outer) for part in parts]).reshape(-1, 2)
 
 
@@ -66,14 +66,14 @@ def differences(solution, name, derivative, x):
                 beside = override_scene(
                     scene, **{name: parameter(scene, name) + sign * steps * step}
                 )
-                one = solve(beside, rtol=1e-12)
+                answer = solve(beside, rtol=1e-12)
             except SceneError:
                 return None
-            if [zone.sense for zone in one.zones] != senses:
+            if [zone.sense for zone in answer.zones] != senses:
                 return None
-            share, edges = sign * weight / step, edges_of(one)
+            share, edges = sign * weight / step, edges_of(answer)
             for field in fields:
-                result[field] = result[field] + share * getattr(one, field)(x, 1.0)
+                result[field] = result[field] + share * getattr(answer, field)(x, 1.0)
             result["edges"] = result["edges"] + share * np.where(np.isfinite(edges), edges, 0.0)
     return result
 
@@ -145,11 +145,11 @@ def test_a_remote_load_moves_what_is_in_place_and_what_is_taken_off(name, mode):
     slot = solve(replace(remote.scene, base=before, load_on="slot"))
     part, _, kind = name.partition("_")
     whole = [f"base_{kind}", name] if part == "load" else [name]
-    found, parts = remote.derivative(name), [slot.derivative(one) for one in whole]
+    found, parts = remote.derivative(name), [slot.derivative(point) for point in whole]
     assert found.status == "converged"
     x, t = clear_positions(remote), np.array([[0.8], [1.0]])
     for field in FIELDS:
-        expected = sum(getattr(one, field)(x, t) for one in parts)
+        expected = sum(getattr(part, field)(x, t) for part in parts)
         size = np.abs(expected).max()
         np.testing.assert_allclose(getattr(found, field)(x, t), expected, atol=1e-8 * size)
     np.testing.assert_allclose(edges_of(found), sum(map(edges_of, parts)), atol=1e-8)
@@ -182,14 +182,14 @@ def check_homogeneity(solution, x):
     parts = {name: solution.derivative(name) for name in names}
     if scene.coefficient and solution.zones:
         parts["friction"] = solution.derivative("friction")
-    assert max(one.error_estimate for one in parts.values()) < 1e-5
+    assert max(part.error_estimate for part in parts.values()) < 1e-5
     for field in ("slip_rate", "slip", "shear_traction"):
         own = getattr(solution, field)(x, 1.0)
-        each = {n: parameter(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
+        each = {n: parameter(scene, n) * getattr(part, field)(x, 1.0) for n, part in parts.items()}
         size = np.abs(own).max(initial=0.0)
         allowed = {
-            n: one.error_estimate * max(np.abs(each[n]).max(initial=0.0), size)
-            for n, one in parts.items()
+            n: part.error_estimate * max(np.abs(each[n]).max(initial=0.0), size)
+            for n, part in parts.items()
         }
         rest = sum(each[name] for name in names) - own
         assert np.abs(rest).max() <= sum(allowed[name] for name in names), (field, scene)
@@ -362,13 +362,13 @@ def test_units():
     steel = solve(Scene(STEEL, 0.3, Tractions(stress, 0.0), Tractions(0.0, stress)), rtol=1e-10)
     unit, speed = solve(PRELOADED, rtol=1e-10), STEEL.shear_speed
     for name, per in (("friction", 1.0), ("load_shear", stress), ("poisson_ratio", 1.0)):
-        one, other = steel.derivative(name), unit.derivative(name)
+        first, other = steel.derivative(name), unit.derivative(name)
         rate = stress / STEEL.shear_impedance / per
         for found, expected in (
-            (one.slip_rate(x * speed * t, t), rate * other.slip_rate(x, 1.0)),
-            (one.slip(x * speed * t, t), rate * t * other.slip(x, 1.0)),
-            (one.shear_traction(x * speed * t, t), stress / per * other.shear_traction(x, 1.0)),
-            (edges_of(one), speed / per * edges_of(other)),
+            (first.slip_rate(x * speed * t, t), rate * other.slip_rate(x, 1.0)),
+            (first.slip(x * speed * t, t), rate * t * other.slip(x, 1.0)),
+            (first.shear_traction(x * speed * t, t), stress / per * other.shear_traction(x, 1.0)),
+            (edges_of(first), speed / per * edges_of(other)),
         ):
             np.testing.assert_allclose(
                 found, expected, rtol=1e-8, atol=1e-8 * np.abs(expected).max()
@@ -401,7 +401,7 @@ def test_what_has_no_derivative_is_refused():
         with pytest.raises(SceneError, match="constant and viscous friction only"):
             solve(weakening).derivative(name)
     tapped = solve(unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"))
-    with pytest.raises(SceneError, match="the gap is that of the same scene in the plane"):
+    with pytest.raises(SceneError, match="the gap is that of the same scene in plane strain"):
         tapped.derivative("base_pressure").gap(1.0, 1.0)
     with pytest.raises(SceneError, match="positive positions"):
         solve(PRELOADED).derivative("friction").slip_rate(-1.0, 1.0)

@@ -74,8 +74,8 @@ def test_error_estimates_are_the_same_in_any_unit_of_stress(name, scale, base, l
     """By a traction that is 0, too, and beside a pressure far larger than it."""
     here = unit_scene(0.5, base, load)
     there = unit_scene(0.5, np.multiply(scale, base), np.multiply(scale, load))
-    one, other = (solve(scene, rtol=1e-6).derivative(name) for scene in (here, there))
-    assert other.error_estimate == pytest.approx(one.error_estimate, rel=0.3, abs=2e-10)
+    first, other = (solve(scene, rtol=1e-6).derivative(name) for scene in (here, there))
+    assert other.error_estimate == pytest.approx(first.error_estimate, rel=0.3, abs=2e-10)
 
 
 def seconds(function):

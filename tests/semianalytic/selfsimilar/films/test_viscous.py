@@ -113,10 +113,10 @@ def test_where_the_gap_never_closes():
 def test_slip_below_rounding_is_refused():
     """eta V is what traction exceeds friction by: slip rates fall like 1 / eta until then."""
     thick, thicker, too_thick = (
-        under(VISCOUS, Coulomb(1.0, viscosity=one)) for one in (1e6, 1e8, 1e20)
+        under(VISCOUS, Coulomb(1.0, viscosity=number)) for number in (1e6, 1e8, 1e20)
     )
     x = np.linspace(0.1, 0.4, 4)
-    rates = [solve(one, rtol=1e-6).slip_rate(x, 1.0) for one in (thick, thicker)]
+    rates = [solve(answer, rtol=1e-6).slip_rate(x, 1.0) for answer in (thick, thicker)]
     np.testing.assert_allclose(rates[0], 100 * rates[1], rtol=1e-4)
     with pytest.raises(SceneError, match=r"slip is below rounding; .* 5e\+14 \(docs/limits"):
         solve(too_thick)

@@ -101,7 +101,7 @@ def test_slip_rate_jumps_where_an_antiplane_contact_opens_ahead_of_waves(viscosi
 def test_little_viscosity_is_nearly_none():
     x = np.linspace(0.01, 1.99, 1500)
     for scene in (LIFTED, TAPPED):
-        dry = solve(film(0.0, *((one.pressure, one.shear) for one in (scene.base, scene.load))))
+        dry = solve(film(0.0, *((pair.pressure, pair.shear) for pair in (scene.base, scene.load))))
         plain, errors = dry.slip_rate(x, 1.0), []
         for viscosity in (1e-3, 1e-5):
             rate = solve(under(scene, Coulomb(1.0, viscosity=viscosity))).slip_rate(x, 1.0)
@@ -123,7 +123,7 @@ def test_estimates_bound_errors(scene):
         assert check_honest(exact, rtol)
         solution = solve(scene, rtol=rtol)
         for name in ("frictional_power", "frictional_work", "accumulated_slip", "max_slip"):
-            value, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
+            value, known = (float(getattr(answer, name)(1.0)) for answer in (solution, exact))
             assert value == pytest.approx(known, rel=solution.error_estimate), name
 
 

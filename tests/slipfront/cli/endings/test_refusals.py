@@ -69,7 +69,7 @@ REFUSED = {
         ("solve incident-sv --angle=-10 --wave-stress 2", "exceeds friction"),
         ("solve incident-p --method space-time --length 1", "would turn tensile"),
         # whole lines: commands of scenes with a slot name those that solve them
-        ("solve whole-line-patch --load-on remote", "says itself where it acts"),
+        ("solve whole-line-patch --load-on remote", "determines where it acts"),
         ("solve whole-line-patch --method magic", "--method must be one of auto"),
         ("solve whole-line-patch --nodes 100", "is for the space-time solver; leave it out"),
         ("simulate whole-line-patch", "slipfront solve"),
@@ -86,7 +86,7 @@ REFUSED = {
         ("solve remote-shock --lower-density 2", 'load_on = "remote": between different bodies'),
         ("solve incident-p --lower-density 2", "the load is a wave or moves: between different"),
         ("solve whole-line-patch --lower-density 2", "of equal bodies and constant friction"),
-        ("solve two.toml --friction 0.95", "and nothing has an answer"),
+        ("solve two.toml --friction 0.95", "and no answer exists"),
         (
             "survey two.toml --lower-density 1,2 --nodes 64",
             "two different bodies are solved exactly",
@@ -118,7 +118,7 @@ REFUSED = {
         ("--friction=-1:1:3:log", "--friction must be a number, a row as"),
         ("--friction 0.1:0.9:10000000000", "--friction must be at most 1e+07 values"),
         ("--friction 0.1:1e400:3", "--friction must be a finite number, got '1e400'"),
-        ("--friction 0.2", "give a row of values"),
+        ("--friction 0.2", "give values of at least one"),
     ],
     "survey preloaded --quiet --friction 0.1,0.2": [
         ("--output file/a.nc", "Cannot write file/a.nc", 3),
@@ -194,7 +194,7 @@ def test_a_contact_that_opens_is_refused_before_it_is_simulated(tmp_path, monkey
     (tmp_path / "opens.toml").write_text(opens)
     said = refused("compare opens.toml --resolution 50")
     assert said.startswith("the pressure would turn tensile at x = ")
-    assert [one.name for one in tmp_path.iterdir()] == ["opens.toml"]
+    assert [path.name for path in tmp_path.iterdir()] == ["opens.toml"]
 
 
 def test_a_march_that_misses_the_edge_says_which_option_to_raise(monkeypatch, shown):

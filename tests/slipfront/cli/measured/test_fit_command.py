@@ -93,7 +93,7 @@ def test_a_gain_is_fitted_to_a_wide_file(fault, printed):
     assert document["parameters"]["gain"]["value"] == pytest.approx(1.1, abs=0.02)
     assert document["scene"]["friction_law"]["kind"] == "slip-weakening"
     assert document["scene"]["run"]["nodes"] == 32
-    assert [one["quantity"] for one in document["gauges"]] == ["slip", "exy"]
+    assert [gauge["quantity"] for gauge in document["gauges"]] == ["slip", "exy"]
     assert document["units"]["rupture"]["fracture_energy"] == "stress length"
     assert document["rupture"]["x"] == [-1.0]
     energy = document["rupture"]["fracture_energy"]

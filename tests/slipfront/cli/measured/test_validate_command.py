@@ -73,11 +73,11 @@ def steel(tmp_path):
 def test_numbers_with_units_are_what_they_are_in_the_unit_of_the_file(steel, printed):
     with_units = "--spacing 0.5mm --noise slip=0.02um --origin 1cm --threshold 1mm/s"
     plain = "--spacing 0.5 --noise slip=2e-5 --origin 10 --threshold 1e-3"
-    one, other = (
+    first, other = (
         printed(f"{steel} --length-unit mm {options} --output {folder}")["rows"]
         for folder, options in (("one", f"{with_units} --time-shift 0us"), ("other", plain))
     )
-    bars = [(row["verdict"], pytest.approx(row["bar"], rel=1e-9)) for row in one]
+    bars = [(row["verdict"], pytest.approx(row["bar"], rel=1e-9)) for row in first]
     assert bars == [(row["verdict"], row["bar"]) for row in other]
 
 

@@ -79,7 +79,7 @@ def test_no_command_is_imported_but_the_one_whose_words_are_completed(
     shell, line, count, completed, monkeypatch
 ):
     groups = []
-    monkeypatch.setattr(commands, "_group", lambda one: groups.append(_group(one)) or groups[-1])
+    monkeypatch.setattr(commands, "_group", lambda item: groups.append(_group(item)) or groups[-1])
     assert completed(shell, line)
     assert {len(group.commands) for group in groups} == {count}
 

@@ -53,8 +53,8 @@ def test_weakening_laws_are_the_same_in_si_units():
     for law in (SlipWeakening(1.0, 0.5, 0.3), RateWeakening(1.0, 0.9, 2.0)):
         weakening = under(scene, law)
         plain, si = (
-            solve(one, method="space-time", end_time=None, nodes=100)
-            for one in (weakening, in_si_units(weakening))
+            solve(entry, method="space-time", end_time=None, nodes=100)
+            for entry in (weakening, in_si_units(weakening))
         )
         np.testing.assert_allclose(
             si.interface.slip[-1], 1e-3 * plain.interface.slip[-1], rtol=1e-9, atol=1e-15
@@ -99,8 +99,11 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path, refused):
     path = tmp_path / "scene.toml"
     assert main(["init"]) == 0
     path.write_text("mine")
-    assert "exists already" in refused("init")
+    (tmp_path / "link.toml").symlink_to("nowhere.toml")
+    for name in ("", "link.toml"):
+        assert "exists already" in refused(f"init {name}")
     assert path.read_text() == "mine"
+    assert not (tmp_path / "nowhere.toml").exists()
     assert main(["init", "--force", "--from", "tap"]) == 0
     assert find(str(path)) == find("tap")
 

@@ -86,5 +86,5 @@ def test_no_bracket_of_a_help_text_is_swallowed(command):
     found = command_for([])
     for name in command.split():
         found = found.commands[name]
-    for text in filter(None, (getattr(one, "help", None) for one in found.params)):
+    for text in filter(None, (getattr(param, "help", None) for param in found.params)):
         assert Text.from_markup(text).plain == text.replace("\\[", "["), text
