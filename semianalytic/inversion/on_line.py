@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from semianalytic.engine.marched import Marched
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import Gauge
+from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
@@ -47,28 +47,18 @@ class RecordedRun:
         """ "converged", or what to distrust of the run."""
         return "converged" if self.run.status == "done" else self.run.status
 
-    def slip(self, x: Array, t: Array) -> Array:
-        """Return slip since the load at n positions and times, (n,)."""
-        return self._since("slip", x, t, 0.0)
-
-    def slip_rate(self, x: Array, t: Array) -> Array:
-        """Return the slip rate at n positions and times, (n,)."""
-        return self._since("slip_rate", x, t, self.scene.rate)
-
-    def shear_traction(self, x: Array, t: Array) -> Array:
-        """Return the shear traction at n positions and times, (n,)."""
-        return self._since("shear_traction", x, t, self.scene.base.shear)
-
-    def pressure(self, x: Array, t: Array) -> Array:
-        """Return the pressure at n positions and times, (n,)."""
-        return self._since("pressure", x, t, self.scene.base.pressure)
-
     def __getattr__(self, name: str) -> Any:
-        """Return what is that of the run: fields in the bodies, and fronts."""
-        return getattr(self.run, name)
+        """Return what is that of the run; records of the interface begin before the load."""
+        if name not in INTERFACE:
+            return getattr(self.run, name)
+        base = self.scene.base
+        before = dict(
+            zip(INTERFACE, (self.scene.rate, 0.0, base.shear, base.pressure), strict=True)
+        )
+        return partial(self._since, name, before[name])
 
-    def _since(self, name: str, x: Array, t: Array, before: Any) -> Array:
-        """Return a field of the run, and before the load what records hold then."""
+    def _since(self, name: str, before: Any, x: Array, t: Array) -> Array:
+        """Return a field of the run, and before the load what was in place."""
         early = sampled(name, before, np.asarray(x, dtype=float))
         found = getattr(self.run, name)(x, np.clip(t, 0.0, self.run.end_time))
         return np.where(t < 0, early, found)

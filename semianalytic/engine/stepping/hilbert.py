@@ -49,20 +49,10 @@ def transformed(history: LoadHistory, start: Array, end: Array) -> Array:
     start, end : (n,) arrays
         Times [time].
     """
-    total = np.zeros(len(start))
-    for at, jump in history.pieces.jumps:
-        total += jump * _mean(0, start - at, end - at)
-    for at, slope in history.pieces.kinks:
-        total += slope * _mean(1, start - at, end - at)
-    return total / np.pi
-
-
-def _mean(order: int, start: Array, end: Array) -> Array:
-    """Return the mean over intervals of the integral, `order` times, of ln |t|."""
     alone = start == end
-    length = np.where(alone, 1.0, end - start)
-    mean = (_integral(order + 1, end) - _integral(order + 1, start)) / length
-    return np.where(alone, _integral(order, end), mean)
+    later, earlier = (analytic(history, t + 0j, 1).imag for t in (end, start))
+    mean = (later - earlier) / np.where(alone, 1.0, end - start)
+    return np.where(alone, analytic(history, end + 0j, 0).imag, mean)
 
 
 def analytic(history: LoadHistory, t: NDArray[np.complex128], order: int) -> Any:
@@ -71,18 +61,18 @@ def analytic(history: LoadHistory, t: NDArray[np.complex128], order: int) -> Any
     It is the history of waves that decay: exp(-i w t) for w < 0, which falls off with Im t.
     """
     pieces, total = history.pieces, np.zeros(t.shape, dtype=complex)
-    for count, steps in ((order, pieces.jumps), (order + 1, pieces.kinks)):
-        for at, size in steps:
-            since = t - at
-            total += size * (since**count / factorial(count) + 1j / np.pi * _integral(count, since))
+    with np.errstate(divide="ignore", invalid="ignore"):  # at a jump
+        for count, steps in ((order, pieces.jumps), (order + 1, pieces.kinks)):
+            for at, size in steps:
+                since, late = t - at, 1j / np.pi * _integral(count, t - at)
+                total += size * (since**count / factorial(count) + late)
     return total
 
 
-def _integral(order: int, t: Any) -> Any:
-    """Return ln |t|, or ln t of complex t, integrated so often from 0."""
-    with np.errstate(divide="ignore"):
-        log = np.log(t if np.iscomplexobj(t) else np.abs(t))
+def _integral(order: int, t: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return ln t, integrated so often from 0."""
+    log = np.log(t)
     if order == 0:
         return log
     size, harmonic = t**order / factorial(order), sum(1 / k for k in range(1, order + 1))
-    return size * np.where(t == 0, 0.0, log) - harmonic * size
+    return np.asarray(size * np.where(t == 0, 0.0, log) - harmonic * size)
