@@ -52,10 +52,10 @@ def transformed(history: LoadHistory, start: Array, end: Array) -> Array:
     alone = start == end
     later, earlier = (analytic(history, t + 0j, 1).imag for t in (end, start))
     mean = (later - earlier) / np.where(alone, 1.0, end - start)
-    return np.where(alone, analytic(history, end + 0j, 0).imag, mean)
+    return np.asarray(np.where(alone, analytic(history, end + 0j, 0).imag, mean))
 
 
-def analytic(history: LoadHistory, t: NDArray[np.complex128], order: int) -> Any:
+def analytic(history: LoadHistory, t: Any, order: int) -> Any:
     """Return f + i H f at complex times on or above the real axis, integrated so often, t's shape.
 
     It is the history of waves that decay: exp(-i w t) for w < 0, which falls off with Im t.
@@ -69,10 +69,10 @@ def analytic(history: LoadHistory, t: NDArray[np.complex128], order: int) -> Any
     return total
 
 
-def _integral(order: int, t: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _integral(order: int, t: Any) -> Any:
     """Return ln t, integrated so often from 0."""
     log = np.log(t)
     if order == 0:
         return log
     size, harmonic = t**order / factorial(order), sum(1 / k for k in range(1, order + 1))
-    return np.asarray(size * np.where(t == 0, 0.0, log) - harmonic * size)
+    return size * np.where(t == 0, 0.0, log) - harmonic * size
