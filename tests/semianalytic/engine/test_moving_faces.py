@@ -218,13 +218,13 @@ def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
 
 
 def test_what_is_not_known_is_refused(monkeypatch):
-    one = marched("preloaded", 256, estimate=False)
+    known = marched("preloaded", 256, estimate=False)
     with pytest.raises(sf.SceneError, match=r"y = 0.01 is nearer .*; take 1000 nodes of the line"):
-        one.stress(0.1, [0.3, -0.01], 0.5)
-    assert np.isfinite(one.velocity(0.1, -0.0, 0.5)).all()
+        known.stress(0.1, [0.3, -0.01], 0.5)
+    assert np.isfinite(known.velocity(0.1, -0.0, 0.5)).all()
     monkeypatch.setattr(marched_bodies, "MOST_LEVELS", 256 * 10)
     with pytest.raises(sf.SceneError, match=r"slip is never slow in the .* before t = 0.5, and"):
-        one.velocity(0.1, 0.3, 0.5)
+        known.velocity(0.1, 0.3, 0.5)
 
 
 @pytest.mark.parametrize("name", ["pair-slip", "preloaded", "antiplane"])
