@@ -1,6 +1,6 @@
-"""How the faces of a slot move beside a contact whose motion a march has found.
+"""How the faces of a slot move next to a contact whose motion a march has found.
 
-A march beside a slot is long enough for its contact to see no mirror image.  In the bodies behind
+A march next to a slot is long enough for its contact to see no mirror image.  In the bodies behind
 the edge the slot matters on twice that length.  With the slip of the contact given, the faces of a
 longer slot are free, and step on their own; so they do under pressure, where a closed contact does
 not open.
@@ -31,7 +31,7 @@ MARGIN = 1.05
 
 
 def bodies_beside_slot(marched: Any) -> MarchedBodies:
-    """Return the bodies of a march beside a slot."""
+    """Return the bodies of a march next to a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
     # of a companion too the steps are those that suit its own nodes
     layout = replace(marched.checkpoint.layout, stride=1)

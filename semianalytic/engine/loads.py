@@ -227,7 +227,7 @@ def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
 
 
 class FreeFaces(ClosedLine):
-    """A line beside a slot, whose faces are free, and whose contact moves as is known.
+    """A line next to a slot, whose faces are free, and whose contact moves as is known.
 
     It is its own law and local problem.  The grid sees the edge as it sees that of a march.
 

@@ -49,7 +49,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     and onsets are those of every step.
 
     Fields in the bodies follow from slip and opening of the whole line, and are as accurate as the
-    march, smoothed over a hundredth of the distance that waves have travelled; beside a slot they
+    march, smoothed over a hundredth of the distance that waves have travelled; next to a slot they
     are refused where waves have come from beyond the observed contact.  Points of one depth, or of
     one time, share most of the work.  See docs/spacetime.md, "Fields in the bodies".
 
@@ -58,16 +58,16 @@ class Marched(AnswerInBodies, SampledAnswer):
     scene : Scene
         The scene that was marched.
     nodes : int
-        Nodes of one period of a line, or of the observed contact beside a slot.
+        Nodes of one period of a line, or of the observed contact next to a slot.
     interface : InterfaceHistory
-        Fields at the nodes and stored levels; on an even line x >= 0, beside a slot the observed
+        Fields at the nodes and stored levels; on an even line x >= 0, next to a slot the observed
         contact alone.
     totals : Totals
         Totals of the contact, at the begin and after every step.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
     status : str
-        Beside a slot "resolved", or "unresolved" where there is a `caution`; on a line "done",
+        Next to a slot "resolved", or "unresolved" where there is a `caution`; on a line "done",
         "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its error:
         ...", whose fields are complete.
     caution : str
@@ -79,7 +79,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         and the change of shear traction, and of gap and pressure if loads change the pressure.
         Empty without a companion.
     companion : Marched or None
-        The same march on half the nodes, from which errors are estimated.  Beside a slot it takes
+        The same march on half the nodes, from which errors are estimated.  Next to a slot it takes
         half the steps, and stores every other level.
     motion : Motion or None
         Rates of slip and opening of a whole line in every step, which drive the bodies.
@@ -151,7 +151,7 @@ class Marched(AnswerInBodies, SampledAnswer):
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
-        """The known reasons why the grid beside a slot is too coarse (`shortfalls_of`)."""
+        """The known reasons why the grid next to a slot is too coarse (`shortfalls_of`)."""
         return () if self.scene.on_line else shortfalls_of(self)
 
     @property

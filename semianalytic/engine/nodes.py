@@ -1,4 +1,4 @@
-"""What a march goes on from, and the nodes beside a slot, whose ends send no wave back."""
+"""What a march goes on from, and the nodes next to a slot, whose ends send no wave back."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class ContactGrid:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a march beside a slot is laid out in time, which a continuation keeps.
+    """How a march next to a slot is laid out in time, which a continuation keeps.
 
     Attributes
     ----------

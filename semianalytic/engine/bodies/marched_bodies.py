@@ -41,7 +41,7 @@ STEPS = 0.3, 0.8
 MOST_LEVELS = 1 << 25
 """Largest number of levels times nodes, of which the waves take 24 bytes each."""
 STICKS = 1e-3
-"""Part of the slip of a slot beside an edge up to which the contact there sticks."""
+"""Part of the slip of a slot next to an edge up to which the contact there sticks."""
 AT_ONCE = 128
 """Places along x whose histories are formed at once."""
 KEPT = 8
@@ -291,7 +291,7 @@ class MarchedBodies:
     def _displaced(self, x: Array) -> Array:
         """Return how far from places x (p,) the grid has what belongs there [length].
 
-        Beside an edge of singular tractions it has its first node 0.310 h from there, not h / 2.
+        Next to an edge of singular tractions it has its first node 0.310 h from there, not h / 2.
         """
         if not self.edges:
             return np.zeros_like(x)
