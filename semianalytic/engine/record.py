@@ -126,8 +126,11 @@ class MarchRecord:
         if len(self._scratch[0]) < len(rates):  # arrays of this size are new pages each time
             self._scratch = np.empty((2, *rates.shape))
         speeds, moved = self._scratch[:, : len(rates)]
-        speeds, moved = np.abs(rates, out=speeds), np.subtract(slips[1:], slips[:-1], out=moved[1:])
-        np.abs(moved, out=moved)
+        speeds = np.abs(rates, out=speeds)
+        # the rate is linear in time over a step; slip may turn back within one
+        sizes = speeds if self._is_whole else np.abs(taken.rates)
+        moved = np.add(sizes[1:], sizes[:-1], out=moved[1:])
+        moved *= np.diff(taken.times)[:, None] / 2
         works, slips = taken.works[1:, : len(self._weights)], slips[1:, on]
         extremes = slips.max(axis=1, initial=0.0), -slips.min(axis=1, initial=0.0)
         largest = np.maximum(*extremes)
