@@ -16,7 +16,7 @@ from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
 from semianalytic.engine.bodies.motion import Motion
-from semianalytic.engine.nodes import Checkpoint
+from semianalytic.engine.nodes import MarchCheckpoint
 from semianalytic.engine.resolution import Shortfall, shortfalls_of
 from semianalytic.engine.stepping.line import grid_of
 from semianalytic.engine.stepping.state import Extremes
@@ -72,7 +72,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         ...", whose fields are complete.
     caution : str
         A sentence on what limits the accuracy and can be changed; empty if nothing does.
-    checkpoint : Checkpoint
+    checkpoint : MarchCheckpoint
         The state from which the march continues.
     error_estimates : mapping
         Estimated relative L1 errors of the slip rate over contact and time; on a line also of slip
@@ -110,7 +110,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     totals: Totals
     seen: Extremes
     status: str
-    checkpoint: Checkpoint = field(repr=False)
+    checkpoint: MarchCheckpoint = field(repr=False)
     caution: str = ""
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     companion: Marched | None = field(default=None, repr=False)
@@ -285,14 +285,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         found = np.where(along == 0, values[..., left], found)
         known = (np.abs(given) <= self._reach) & self.scene.contact.touches(place)
         return np.where(known, found, np.nan)
-
-    def events(self, rate: float) -> list[tuple[float, float]]:
-        """Return begin and end of the times in which the peak slip rate exceeds a rate [time]."""
-        t, peaks = self.totals.t, np.asarray(self.totals.peak_rate)
-        above = np.concatenate([[False], peaks > rate, [False]])
-        turns = np.flatnonzero(above[1:] != above[:-1])
-        begins, ends = turns[::2], turns[1::2] - 1
-        return [(float(t[i]), float(t[j])) for i, j in zip(begins, ends, strict=True)]
 
     def beside_edge(self, edge: float, frame: int = -1) -> EdgeReading:
         """Return the fields next to an edge at which the contact of a line sticks.
