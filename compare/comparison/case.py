@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.bars import LARGEST_ORDER
 from compare.comparison.fields.fronts import jump_times
-from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
+from compare.comparison.measures import EARLY, NOTHING, is_nothing, norm, within, worn
 from compare.comparison.mesh_choice import Feature, Prices, short_waves_grow
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
@@ -65,8 +65,8 @@ class Case:
     doubted: InterfaceHistory | None
     local: ClassVar = 1.0
     """Error of a place over that which coarser meshes let expect of it."""
-    early: ClassVar = 0.2
-    """Initial part of the run, over the end time, that is left out because little is resolved."""
+    early: ClassVar = EARLY
+    """Initial part of the run, over the end time, in which places are left out."""
     beside_motion: ClassVar = math.inf
     """How many times as much it may be next to ends of slip or of openings."""
 

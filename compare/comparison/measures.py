@@ -23,6 +23,8 @@ those of up to 4.0 elements were bridged by slip, and none of those of 5.7 or mo
 elements were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two
 of the 50 scenes of the maps were said to differ; with 16, the default mesh resolves nothing of
 `preloaded`'s second zone."""
+EARLY = 0.2
+"""Initial part of the run, over the end time, that is left out because little is resolved in it."""
 SENSE_THRESHOLD = 0.01
 """Part of the largest slip rate above which slip has a sense."""
 PROBES = (0.04, 0.25, 0.5, 0.75)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -14,6 +14,7 @@ from compare.comparison.bars import error_bar
 from compare.comparison.case import Case, beyond_edge, too_narrow
 from compare.comparison.judging import Compared, field_row, judged, rate_bar, value_row
 from compare.comparison.measures import (
+    EARLY,
     NARROW,
     NOTHING,
     PROBES,
@@ -34,8 +35,6 @@ APART = 2
 """Value in a map of senses where the contact is open."""
 REVERSAL_THRESHOLD = 0.05
 """Part of the largest slip rate above which slip of the other sense counts as a reversal."""
-EARLY = 0.2
-"""Initial part of the run, over the end time, that is left out because little is resolved in it."""
 FRONT = 1
 """Number of elements of the coarsest mesh behind the first wave that maps of senses leave out.
 With none, a frictionless scene whose slip grows from zero behind the P wave was 2 bars off."""
@@ -149,8 +148,10 @@ def sense_rows(case: Case) -> Iterator[Row]:
     area = float(reached.sum())
     edges = max(float((beside_edges(sense) & reached).sum()) for sense in (predicted, simulated))
     floor = SENSE_FLOOR * edges / area + 1 / area
-    opening = too_narrow(case.at_nodes.gap > 0)
-    unseen = float(((case.narrow | case.narrow_gaps | opening) & reached).sum()) / area
+    narrow = case.narrow | case.narrow_gaps | too_narrow(case.at_nodes.gap > 0)
+    for sense in (1, -1):  # the mesh shows such a zone with any width of so few nodes
+        narrow |= too_narrow(simulated == sense)
+    unseen = float((narrow & reached).sum()) / area
     for name, sense in (("forward slip", 1), ("reverse slip", -1), ("open", APART)):
         row = value_row(
             case,
@@ -202,16 +203,16 @@ def event_rows(case: Case) -> Iterator[Row]:
     for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
         place = float(case.seen.x[nearest(case.seen.x, probe * case.length)])
         fast = REVERSAL_THRESHOLD * case.largest_rate
-        against = partial(_onset_of_sense, -_first_sense(case, place, fast))
-        for name, first_time, least in (
-            ("onset", onset_time, SENSE_THRESHOLD * case.largest_rate),
+        against = -_first_sense(case, place, fast)
+        for name, sense, least in (
+            ("onset", None, SENSE_THRESHOLD * case.largest_rate),
             ("reversal", against, fast),
         ):
             row = value_row(
                 case,
                 f"{name} at {place / case.length:.2f} c_t T",
                 "onset",
-                partial(_event, first_time, place, least, case.end_time),
+                partial(_event, sense, place, least, case.end_time),
                 floor=ONSET_FLOOR * cell,
                 unit="T",
             )
@@ -223,14 +224,12 @@ def event_rows(case: Case) -> Iterator[Row]:
 
 
 def _event(
-    first_time: Callable[[Array, Array, float], float | None],
-    place: float,
-    least: float,
-    end_time: float,
-    history: InterfaceHistory,
+    sense: int | None, place: float, least: float, end_time: float, history: InterfaceHistory
 ) -> float | None:
-    """First time of an event at a place, in T; None if it does not happen."""
-    when = first_time(history.t, _record(history, place), least)
+    """First time in T of slip at a place, of one sense if given; None if it does not happen."""
+    record = _record(history, place)
+    rate = record if sense is None else np.maximum(sense * record, 0.0)
+    when = onset_time(history.t, rate, least)
     return None if when is None else when / end_time
 
 
@@ -279,11 +278,6 @@ def _first_sense(case: Case, place: float, threshold: float) -> int:
         if len(fast):
             return int(np.sign(fast[0]))
     return 0
-
-
-def _onset_of_sense(sense: int, time: Array, slip_rate: Array, threshold: float) -> float | None:
-    """First time at which slip of one sense is faster than a threshold."""
-    return onset_time(time, np.maximum(sense * slip_rate, 0.0), threshold)
 
 
 def cycle_rows(case: Case) -> Iterator[Row]:

@@ -104,7 +104,7 @@ def _driven(case: Case, name: str) -> Array:
 
 def _beside_motion(case: Case) -> Mask:
     """Mask of the nodes and times, (m, n), in the bands around ends of slip or openings in the
-    prediction or on a coarser mesh."""
+    prediction or on a coarser mesh, and where one stopped, whose kink tractions keep."""
     seen, changes = case.seen, np.zeros(case.seen.slip.shape, dtype=bool)
     motions = [_motion(case, case.at_nodes)]
     for run in case.runs[1:]:
@@ -116,6 +116,8 @@ def _beside_motion(case: Case) -> Mask:
     for motion in motions:
         changes[:-1] |= np.diff(motion, axis=0) != 0
         changes[:, :-1] |= np.diff(motion, axis=1) != 0
+        latest = np.maximum.accumulate(np.where(motion, seen.t[:, None], 0.0))
+        changes[:, :-1] |= np.abs(np.diff(latest, axis=1)) > _width(case) / case.shear_speed
     return np.asarray(scipy.ndimage.maximum_filter(changes, _band(case)))
 
 

@@ -1,6 +1,7 @@
 """Scenes that were judged wrongly, and simulations at fault: what the judge says of both."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,12 +15,14 @@ from compare.comparison.judging import FEW
 from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import planned, predict_like
 from compare.comparison.quantities.arrival_rows import arrival_rows
+from compare.comparison.quantities.local_rows import _beside_motion
 from compare.comparison.quantities.own_rows import own_rows
 from compare.comparison.rows import AWAY, REST
 from docs.studies.trials.wrong_answers import FAULTS, RUNS
 from fem import simulate, with_companions
 from semianalytic import Coulomb, IncidentWave, Material, RateWeakening, Scene, Tabulated, Tractions
 from semianalytic.parameters.overriding import override_scene
+from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.given.finding import find_scene
 
@@ -44,6 +47,26 @@ def test_coarser_runs_are_the_run_itself_until_parts_of_its_end(number, mistake)
     runs[number] = RUNS[True][mistake](runs[number], 1e-3)
     wrong = replace(run, companion=replace(runs[1], companion=runs[2]))
     assert judge(solved(PRELOADED), wrong).verdict == "unresolved"
+
+
+def test_slip_in_a_zone_of_an_element_is_unresolved():
+    """A film lets 1.2 elements slip at the edge, where the nodes show one or two that do."""
+    film, load = Coulomb(1.32874, viscosity=0.61624), Tractions(1.73746, 1.70107)
+    scene = Scene(Material(1.0, 1.0, 1 / 3), film, Tractions(1.0, 0.0), load)
+    judgement = judged(scene, 100)
+    assert (judgement.verdict, differing(judgement)) == ("unresolved", [])
+
+
+def test_places_where_slip_has_stopped_are_left_out():
+    """Slip until x = 0.5 ends everywhere at t = 0.5; tractions keep a kink at its edge."""
+    x = t = np.linspace(0.0, 1.0, 101)
+    slips, none = ((x < 0.5) & (t[:, None] < 0.5)).astype(float), np.zeros((101, 101))
+    run = SimpleNamespace(interface=InterfaceHistory(x, t, none, slips, none, none, none))
+    run.element_size = 0.01
+    given = {"seen": run.interface, "at_nodes": run.interface, "runs": (run, run, run)}
+    units = {"simulation": run, "shear_speed": 1.0, "rate": 1.0, "end_time": 1.0}
+    moving = _beside_motion(SimpleNamespace(**given, **units))
+    assert moving[[20, 90, 90], [50, 50, 20]].tolist() == [True, True, False]
 
 
 @pytest.mark.slow
