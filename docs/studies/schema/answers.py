@@ -363,6 +363,9 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "points": Key("points measured, as in data/chart.csv", list_of(row_of(Point))),
             "found": Key("what they say, as in data/chart-found.csv", list_of(row_of(Found))),
+            "not_measured": Key(
+                "points without time: scene, method, setting", list_of({"type": "array"})
+            ),
         },
     ),
 }

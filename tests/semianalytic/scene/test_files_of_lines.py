@@ -191,7 +191,7 @@ def test_mistakes_in_files_end_in_one_sentence(folder, capsys, text, old, new, s
 
 def test_the_command_saves_and_goes_on(folder, capsys):
     pytest.importorskip("h5netcdf")
-    assert main(["solve", "a.toml", "--save", "b.h5", "--no-estimate"]) == 0
+    assert main(["solve", "a.toml", "--save", "b.h5", "--no-estimate", "--latest", "1.5"]) == 0
     assert main(["solve", "a.toml", "--go-on", "b.h5", "--end-time", "1.5", "--no-estimate",
                  "--save", "c.nc"]) == 0  # fmt: skip
     assert re.search(r"end time\W+1\.5", capsys.readouterr().out)
