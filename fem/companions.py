@@ -27,7 +27,7 @@ def with_companions(
 
     Only what is missing is run, in about an eighth and a sixty-fourth of the time.  A companion is
     left out where its resolution would be below 8, or friction falls too fast with slip rate for
-    it; so are those that would follow it.  It need not follow the loads.
+    it; so are those that would follow it.  It may be too coarse for the loads.
 
     Parameters
     ----------
@@ -56,25 +56,18 @@ def with_companions(
     >>> fine.resolution, fine.companion.resolution
     (16, 8)
     """
-    resolutions = [round(simulation.resolution / 2**n) for n in range(1, COMPANIONS + 1)]
-    folders = [snapshots and companion_folder(snapshots, n + 1) for n in range(COMPANIONS)]
-    runs = list(zip(resolutions, folders, strict=True))
-    return _carrying(simulation, runs, progress)
-
-
-def _carrying(
-    simulation: Simulation,
-    runs: list[tuple[int, Path | None]],
-    progress: Callable[[int, int], None] | None,
-) -> Simulation:
-    """The simulation with companions of the given resolutions and folders, one carried by
-    another."""
-    if not runs:
-        return simulation
-    companion = simulation.companion or _coarser(simulation, *runs[0], progress)
-    if companion is None:
-        return simulation
-    return replace(simulation, companion=_carrying(companion, runs[1:], progress))
+    chain = [simulation]
+    for number in range(1, COMPANIONS + 1):
+        resolution = round(simulation.resolution / 2**number)
+        folder = snapshots and companion_folder(snapshots, number)
+        coarser = chain[-1].companion or _coarser(chain[-1], resolution, folder, progress)
+        if coarser is None:
+            break
+        chain.append(coarser)
+    carrying = chain.pop()
+    while chain:
+        carrying = replace(chain.pop(), companion=carrying)
+    return carrying
 
 
 def _coarser(
@@ -85,7 +78,7 @@ def _coarser(
 ) -> Simulation | None:
     """Run the same simulation at another resolution; None if none is possible at that resolution.
 
-    It need not follow the loads; if it misses parts of them, error bars become wide.
+    It may be too coarse for the loads; error bars then become wide.
     """
     if resolution < LEAST_RESOLUTION:
         return None

@@ -101,18 +101,6 @@ class FacePair:
         return force
 
 
-def contact_pressure(gap: Array, increment: Array, base: float | Array, compliance: Array) -> Array:
-    """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
-
-    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap is
-    never negative and the pressure only takes energy out.  The gap at the start of the step is >= 0
-    [length]; the increment is its change if only the base pressure [stress] acted, and the
-    compliance the opening over the step per pressure [length / stress].
-    """
-    # a pressure p adds compliance (p - base) to gap + increment; the pair ends the step closed at 0
-    return np.maximum(base - (gap + increment) / compliance, 0.0)
-
-
 STICK = 0
 """State of a node that does not move along the interface."""
 FORWARD = 1
@@ -278,11 +266,16 @@ class Joint:
             self._external += float(force @ faces.mean_increment())
 
     def _press(self, faces: FacePair, in_place: float | Array, part: float) -> None:
-        """Find the pressure of this kick, apply it and add up its work."""
+        """Find the pressure of this kick, apply it and add up its work.
+
+        It ends the step with the gap closed, or is zero if that needs tension.  An open pair that
+        would interpenetrate is stopped exactly at the end of the step, so the gap is never negative
+        and the pressure only takes energy out.
+        """
         self.offset = faces.offset()
-        self.pressure = contact_pressure(
-            self.offset, faces.increment(), in_place, part * faces.compliance
-        )
+        # a pressure p adds compliance (p - in place) to the gap at the end, which is to be 0
+        closing = (self.offset + faces.increment()) / (part * faces.compliance)
+        self.pressure = np.maximum(in_place - closing, 0.0)
         faces.push(self.pressure - in_place, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)

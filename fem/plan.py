@@ -34,27 +34,6 @@ TWO_BLOCKS = "two blocks"
 TWO_MATERIALS = "two blocks of different materials"
 
 
-def choose_model(scene: Scene, model: str) -> str:
-    """Return the name of the model that a scene needs.
-
-    Under shear alone identical blocks move oppositely (u_x and u_z odd in y, u_y even), and the
-    pressure stays as it was: one of them is enough.
-
-    Parameters
-    ----------
-    scene : Scene
-    model : str
-        "auto", or "two-blocks" to keep both blocks whatever the symmetry.
-    """
-    if scene.lower_material is not None:  # there is no symmetry
-        return TWO_MATERIALS
-    if model == "two-blocks":
-        return TWO_BLOCKS
-    if scene.superposition.taken_off.pressure != 0:
-        return TWO_BLOCKS
-    return ANTIPLANE if scene.antiplane else ANTISYMMETRIC
-
-
 @dataclass(frozen=True)
 class Plan:
     """A run before anything is built: its scene, settings, and everything that follows from them.
@@ -113,8 +92,16 @@ class Plan:
 
     @property
     def name(self) -> str:
-        """Name of the model."""
-        return choose_model(self.scene, self.settings.model)
+        """Name of the model that the scene needs, or that is asked for.
+
+        Under shear alone identical blocks move oppositely (u_x and u_z odd in y, u_y even), and the
+        pressure stays as it was: one of them is enough.
+        """
+        if self.scene.lower_material is not None:  # there is no symmetry
+            return TWO_MATERIALS
+        if self.settings.model == "two-blocks" or self.is_pressed:
+            return TWO_BLOCKS
+        return ANTIPLANE if self.scene.antiplane else ANTISYMMETRIC
 
     @property
     def is_half(self) -> bool:

@@ -99,8 +99,8 @@ def simulate(
         If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
     DataFileError
         If the mesh cache cannot be used, the folder of snapshots or checkpoints cannot be written
-        or has no room for them, or the checkpoint is damaged or of another run.  A disk that gets
-        full later ends no run: see `Simulation.unwritten`.
+        or has no room for them, or the checkpoint is damaged or of another run.  A run goes on if
+        the disk becomes full later: see `Simulation.unwritten`.
     ComputationError
         If the run goes unstable or values are no longer finite; what was written stays.
     KeyboardInterrupt

@@ -77,7 +77,9 @@ class Settings:
                 f"(above {STABLE_RATIO} it is unstable), got {self.step_ratio}."
             )
         for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
-            object.__setattr__(self, name, check_count(name, getattr(self, name), least))
+            what, given = f"simulate: {name}", getattr(self, name)
+            count = checked_count(what, given, least, "an integer of at least")
+            object.__setattr__(self, name, count)
         if not among(self.model, ("auto", "two-blocks")):
             raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
 
@@ -97,14 +99,11 @@ class Pace:
 
     def __post_init__(self) -> None:
         if self.steps is not None:
-            object.__setattr__(self, "steps", check_count("checkpoint_every", self.steps, 1))
+            what = "simulate: checkpoint_every"
+            steps = checked_count(what, self.steps, 1, "an integer of at least")
+            object.__setattr__(self, "steps", steps)
         elif self.seconds is None:
             object.__setattr__(self, "steps", DEFAULT_PACE)
         if self.seconds is not None:
             seconds = checked_size("simulate: checkpoint_seconds", self.seconds)
             object.__setattr__(self, "seconds", seconds)
-
-
-def check_count(name: str, value: int, least: int) -> int:
-    """Return an option as int; raise SceneError unless it is an integer of at least `least`."""
-    return checked_count(f"simulate: {name}", value, least, "an integer of at least")

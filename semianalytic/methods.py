@@ -30,7 +30,7 @@ class Method(NamedTuple):
 
 
 METHODS = (
-    Method("self-similar", "Scene", "selfsimilar.solver", "a slot beside a contact: step loads"),
+    Method("self-similar", "Scene", "selfsimilar.solver", "a slot next to a contact: step loads"),
     Method("self-similar", "Scene of two solids", "dissimilar_slot.solver", "between two bodies"),
     Method("self-similar", "Scene without a slot", "whole_line.solver", "a patch or a force"),
     Method("self-similar", "Scene that grows", "whole_line.growing", "load and strength grow"),
@@ -42,7 +42,7 @@ _OWN = list(dict.fromkeys(row.name for row in METHODS))
 
 
 def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
-    """Solve a problem for what happens on its interface, by the first method that takes it.
+    """Solve a problem by the first method that applies to it.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def settings_of(solver: Any, problem: object) -> list[str]:
     if hasattr(solver, "settings_of"):
         return list(solver.settings_of(problem))
     known = [*inspect.signature(solver.solve).parameters.values()][1:]
-    return ["**" if one.kind is one.VAR_KEYWORD else one.name for one in known]
+    return ["**" if entry.kind is entry.VAR_KEYWORD else entry.name for entry in known]
 
 
 class Chosen(NamedTuple):  # the method that answers a problem, and its module

@@ -52,7 +52,7 @@ ELSEWHERE = (
 )
 """Asked below with other arguments, or of other objects; pyplot draws in one thread alone."""
 IN_BODIES = ("velocity", "stress", "strain", "displacement")
-RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}, "events": {"rate": 0.1}}
+RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
 FITTED = {"log_density": {"values": np.array([0.31])}}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 

@@ -165,13 +165,9 @@ def measured(problem: Problem, method: str, setting: float) -> dict[str, Any]:
 def run_point(problem: Problem, method: str, setting: float) -> dict[str, Any]:
     """Return `measured` of a fresh process, which may fail, for instance for lack of memory."""
     try:
-        return dict(in_fresh_process(_measured, problem.source, problem.end_time, method, setting))
+        return dict(in_fresh_process(measured, problem, method, setting))
     except Exception as error:  # of any kind, or the process was killed
         raise ComputationError(
             f"{METHODS[method].label} on {problem.label} at {setting:g} failed ({error}); start "
             "again to continue with the other points."
         ) from error
-
-
-def _measured(source: str, end_time: float, method: str, setting: float) -> dict[str, Any]:
-    return measured(find_problem(source, end_time), method, setting)

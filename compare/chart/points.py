@@ -172,7 +172,8 @@ def measure_all(
 def not_measured(problems: Sequence[Problem], points: Sequence[Point]) -> list[Key]:
     """Return the points of problems that a budget kept from being measured."""
     known = {point.key for point in points}
-    return [at for one in problems for task in one.tasks if (at := (one.label, *task)) not in known]
+    tasks = [(problem.label, *task) for problem in problems for task in problem.tasks]
+    return [task for task in tasks if task not in known]
 
 
 def _counts(point: Point, planned: Mapping[Key, Problem], here: str) -> bool:

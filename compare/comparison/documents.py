@@ -279,7 +279,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
 
 
 def _beside_slot(marched: Marched) -> dict[str, Any]:
-    """Return what a march beside a slot says besides: onsets, a stuck edge, and its cost."""
+    """Return what a march next to a slot says next tos: onsets, a stuck edge, and its cost."""
     scene, onset, x = marched.scene, marched.seen.onset, marched.interface.x
     known: Any = marched.checkpoint
     length, load = scene.material.shear_speed * marched.end_time, scene.superposition.taken_off

@@ -44,7 +44,7 @@ def planned(
         end_time = 1 / speed if end_time is None else end_time
         reach, element = scene.fastest_speed * end_time, speed * end_time / choice.resolution
         nodes, length = _grid(scene, reach, end_time, element, choice.resolution)
-        # this march costs little beside a simulation
+        # this march costs little compared with a simulation
         options = {"end_time": end_time, "nodes": nodes, "length": length, "estimate": False}
         solve(scene, method="space-time", **options)
     return prediction, choice

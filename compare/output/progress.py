@@ -39,7 +39,7 @@ def progress_bar(
         console=console,
         disable=quiet or not console.is_terminal,
         transient=True,
-        auto_refresh=False,  # by a thread, beside which no process could be a copy of this one
+        auto_refresh=False,  # by a thread, with which no process could be a copy of this one
     ) as bar:
         task, drawn = bar.add_task(doing, total=None), -1.0
 

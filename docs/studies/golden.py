@@ -3,7 +3,7 @@
 The file docs/data/golden.json.gz has the answers to all named scenes and interfaces, 200 random
 scenes of all loads and laws, 60 random pairs of bodies and 20 whole lines: edges, five fields at 40
 points, totals, error estimates and status, numbers as the hexadecimal digits of their bits.
-``--check`` computes them anew and lists what differs, by how much, and beside which estimate; it
+``--check`` computes them anew and lists what differs, by how much, and against which estimate; it
 ends with 1 if anything does.  Another processor may round differently: ``--write`` on the commit
 to be compared with, then ``--check`` on the other one.
 """

@@ -46,7 +46,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 class Cell:
     """A cell of a data file, with its own formats.
 
-    Beside the formats of Python there are "r" (1/3 for 0.3333…), ".2p" (a power of ten, such as
+    Formats besides those of Python are "r" (1/3 for 0.3333…), ".2p" (a power of ten, such as
     1.30·10⁻³), ".3s" (significant digits, including trailing zeros), and ".2s%" (the same in
     percent).  Cells without a value, and nan, are empty.
     """

@@ -17,14 +17,14 @@ from semianalytic.parameters.numbers import numbers_of
 DATA = Path(__file__).resolve().parents[2] / "docs" / "data"
 NAMES = ("base_shear", "friction_law_dynamic", "friction_law_distance", "centre", "t0")
 GAUGES = ("exx", 1.5, 0.25), ("exy", 1.9, -0.25), ("exy", 2.3, 0.25), ("eyy", -1.2, 0.25)
-NOISE, DURATION, LATE, NODES = 0.05, 3.0, 0.3, 128
-"""Noise over the largest value of a record, time until its end, time at which the load acts."""
+NOISE, DURATION, LATE, NODES, FINER = 0.05, 3.0, 0.3, 256, 512
+"""Noise over the largest value of a record, its end, time of the load, nodes of fit and records."""
 
 
 def recovered(seed: int) -> list[list[str | float]]:
     """Return each unknown, its true and fitted value, and its standard error."""
     scene, random = sf.find(DATA / "rupture.toml"), np.random.default_rng(seed)
-    made = sf.solve(scene, end_time=DURATION, nodes=NODES, estimate=False)
+    made = sf.solve(scene, end_time=DURATION, nodes=FINER, estimate=False)
     t, gauges = np.linspace(0.05, 1.0, 60) * DURATION, []
     for of, x, y in GAUGES:
         values = made.strain(x, y, t)[("exx", "eyy", "exy").index(of)]

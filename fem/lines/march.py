@@ -148,7 +148,6 @@ def simulate_line(
     *,
     samples: int = SAMPLES,
     damping: float = DAMPING,
-    step_ratio: float = STEP_RATIO,
     progress: Progress | None = None,
 ) -> LineSimulation:
     """Simulate a periodic interface with finite elements and central differences.
@@ -167,8 +166,6 @@ def simulate_line(
     damping : float
         eta of the Kelvin-Voigt damping, over the time in which the shear wave of a block crosses a
         square.
-    step_ratio : float
-        Time step over the critical one.
     progress : callable, optional
         Called with (step, steps).
 
@@ -203,7 +200,7 @@ def simulate_line(
     """
     end_time = checked_size("simulate: end_time", end_time)
     blocks = make_blocks(line, end_time, damping)
-    return marched(line, blocks, end_time, samples, step_ratio, progress)
+    return marched(line, blocks, end_time, samples, STEP_RATIO, progress)
 
 
 def marched(
@@ -216,7 +213,6 @@ def marched(
     gauges: Gauges | None = None,
 ) -> LineSimulation:
     """March blocks until T [time] and return what is recorded; raises as `simulate_line`."""
-    end_time = checked_size("simulate: end_time", end_time)
     samples = checked_count("simulate: samples", samples, 1, "a whole number of at least")
     started = clock.perf_counter()
     steps = count_steps(blocks, end_time, samples, step_ratio)

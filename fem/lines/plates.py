@@ -21,7 +21,7 @@ KEYS = (
     *("friction", "friction_law", "contact", "base", "load", "history", "gauges", "run"),
     *("units", "summary"),
 )
-"""Keys of a file beside its blocks."""
+"""Keys of a file in addition to its blocks."""
 
 
 def find_specimen(source: object) -> Specimen | None:

@@ -20,7 +20,7 @@ from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
-from semianalytic.scene.checks import check_fields, check_keys, checked_size, shown
+from semianalytic.scene.checks import check_fields, check_keys, checked_size, finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.law import Law
@@ -173,7 +173,13 @@ class Specimen:
         upper, lower = self.blocks
         if not max(upper.left, lower.left) < min(upper.right, lower.right):
             raise SceneError("specimen: the blocks have no part of y = 0 in common; move one.")
-        for x, y in self.gauges:
+        for given in self.gauges if np.iterable(self.gauges) else (self.gauges,):
+            place = tuple(map(finite, given)) if np.iterable(given) else ()
+            if len(place) != 2 or None in place:
+                raise SceneError(
+                    f"specimen: gauges must be pairs of numbers x and y, got {shown(given)}."
+                )
+            x, y = map(float, given)
             block = self.upper if y > 0 else self.lower
             if not (block.left <= x <= block.right and 0 < abs(y) <= block.height):
                 raise SceneError(

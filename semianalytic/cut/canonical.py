@@ -176,7 +176,7 @@ class CanonicalFunction:
         panels, layout, turn = self.panels, self.layout, self._turn
         if not len(layout.slip):
             return np.zeros_like(panels.jacobian)
-        pairs = layout.pairs_from_slip
+        pairs = layout.pairs_from(layout.slip)
         sources = np.searchsorted(layout.slip, pairs.source)
         total = pairs.collect(panels.cauchy(pairs, turn.rest[sources]))
         total[layout.slip] += panels.principal_values(layout.slip, turn.rest)

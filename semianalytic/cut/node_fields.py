@@ -40,7 +40,7 @@ _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 
 def stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
     """Yield central differences, and one-sided ones for neighbours of other panels."""
-    # Beside a change of the set of zones a tenth of the step may still stay on this side.
+    # Next to a change of the set of zones a tenth of the step may still stay on this side.
     for size in (step, step / 10):
         yield Stencil(*central, size)
         yield Stencil(*_TO_ONE_SIDE, size)

@@ -61,7 +61,7 @@ def contact_integral(profile: Profile, weight: Array) -> float:
     for power in rate.powers:
         i, by_y = power.panel, power.by_y(panels)
         left = passed[i] if power.at_left else passed[i] - whole[i]
-        # Beside the left end the running integral has lost its digits to rounding; there it is
+        # Next to the left end the running integral has lost its digits to rounding; there it is
         # the density times the distance.
         if power.at_left:
             near = power.share(panels) < LEAST_SHARE

@@ -140,7 +140,7 @@ class ZoneTransform(GivenZones):
 
     @property
     def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
-        """Terms (edge, r) of T beside C + R: those given."""
+        """Terms (edge, r) of T in addition to C + R: those given."""
         return self.closing
 
     @cached_property
@@ -178,7 +178,7 @@ class ZoneTransform(GivenZones):
         panels, (sources, imag) = self.panels, self._pressure.sources
         if not len(sources):
             return imag
-        pairs, weights = self.layout.pairs_from(tuple(sources.tolist())), panels.jacobian * imag
+        pairs, weights = self.layout.pairs_from(sources), panels.jacobian * imag
         total = pairs.collect(panels.cauchy(pairs, weights[pairs.source]))
         # A principal value where source and target are the same panel.
         total[sources] += panels.principal_values(sources, weights[sources])

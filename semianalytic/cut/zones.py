@@ -153,7 +153,7 @@ class ZoneFields(ZoneSlopes):
             if self._jumps_at(panel):
                 _, jump = self._jump(panel, edge)
                 powers.append(Power(panel + 1, True, exponents[panel], jump))
-            # Beside the border the slope is d^(eps - 1) on both sides, which no rule resolves for
+            # Next to the border the slope is d^(eps - 1) on both sides, which no rule resolves for
             # small eps: its integral is taken in closed form.
             elif panel in exponents:
                 for end, at_left in ((panel, False), (panel + 1, True)):
@@ -243,7 +243,7 @@ class ZoneFields(ZoneSlopes):
         """Traction ahead of all waves, a number or (k,).
 
         In the normal problem it is chosen such that, on these panels, the pressure falls to zero
-        exactly where the contact opens. Beside that edge the pressure is small compared with the
+        exactly where the contact opens. Next to that edge the pressure is small compared with the
         base, and so is the strength of slip that ends there.
         """
         if self.factors.mode != "I":

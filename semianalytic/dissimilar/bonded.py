@@ -10,6 +10,7 @@ are complex: a history f(t - p x) arrives as Re(T) f + Im(T) H f, with the Hilbe
 from __future__ import annotations
 
 import cmath
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,59 @@ from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.material import Material
 
 Complex = NDArray[np.complex128]
+
+
+class BondedWave(NamedTuple):
+    """A plane wave beside the line, with the factor exp(i w (slowness . r - t)).
+
+    Attributes
+    ----------
+    is_above : bool
+        Whether it is in the upper body.
+    slowness : (complex, complex)
+        Slowness along x and y [time / length].
+    motion : (complex, complex)
+        Particle velocity along x and y per unit of the history [length / time].
+    """
+
+    is_above: bool
+    slowness: tuple[complex, complex]
+    motion: tuple[complex, complex]
+
+
+def bonded_waves(wave: IncidentWave, upper: Material, lower: Material) -> list[BondedWave]:
+    """Return a P or SV wave from either body, and the P and SV waves that the bonded line sends.
+
+    Parameters
+    ----------
+    wave : IncidentWave
+    upper, lower : Material
+        The solids on y > 0 and y < 0.
+    """
+    from_above = wave.from_ == "above"
+    source = upper if from_above else lower
+    (across, along), speed = wave.direction(), wave.speed(source)
+    p, moved = across / speed, wave.particle_velocity(source)
+    motion = (moved * wave.polarisation()[0], moved * wave.polarisation()[1])
+    incoming = BondedWave(from_above, (p, along / speed), motion)
+    sent = []
+    for body, side in ((upper, 1), (lower, -1)):
+        for c in (body.longitudinal_speed, body.shear_speed):
+            # Away from the line in either body; beyond 1 / c the root is i times a positive number,
+            # which decays.
+            q = side * cmath.sqrt(1 / c**2 - p**2)
+            # A P wave moves along its slowness vector, an SV wave across it.
+            part = (p, q) if c == body.longitudinal_speed else (q, -p)
+            sent.append(BondedWave(side > 0, (p, q), (c * part[0], c * part[1])))
+    # the upper state less the lower one vanishes, the incident wave being a part of its body
+    columns = [_state(upper if one.is_above else lower, one) for one in sent]
+    matrix = np.stack([c if one.is_above else -c for c, one in zip(columns, sent, strict=True)], 1)
+    known = _state(source, incoming) * (1 if from_above else -1)
+    amplitudes = np.linalg.solve(matrix, -known).tolist()
+    return [incoming] + [
+        one._replace(motion=(size * one.motion[0], size * one.motion[1]))
+        for size, one in zip(amplitudes, sent, strict=True)
+    ]
 
 
 def bonded_tractions(
@@ -43,36 +97,20 @@ def bonded_tractions(
     >>> round(shear.real, 12), shear.imag
     (-1.333333333333, 0.0)
     """
-    source = lower if wave.from_ == "below" else upper
-    (across, along), motion = wave.direction(), wave.polarisation()
-    p = across / wave.speed(source)
-    speed = wave.particle_velocity(source)
-    incoming = speed * _state(source, (p, along / wave.speed(source)), motion[:2])
-    columns = []
-    for body, side in ((upper, 1), (lower, -1)):
-        for c in (body.longitudinal_speed, body.shear_speed):
-            # Away from the line in either body; beyond 1 / c the root is i times a positive number,
-            # which decays.
-            q = side * cmath.sqrt(1 / c**2 - p**2)
-            # A P wave moves along its slowness vector, an SV wave across it.
-            moved = (p, q) if c == body.longitudinal_speed else (q, -p)
-            columns.append(side * _state(body, (p, q), (c * moved[0], c * moved[1])))
-    # the upper state less the lower one vanishes, the incident wave being a part of its body
-    known = incoming if wave.from_ == "above" else -incoming
-    amplitudes = np.linalg.solve(np.stack(columns, axis=1), -known)
-    total = amplitudes[0] * columns[0] + amplitudes[1] * columns[1]
-    total = total + (incoming if wave.from_ == "above" else 0.0)
+    waves = bonded_waves(wave, upper, lower)
+    total = np.sum([_state(upper, one) for one in waves if one.is_above], axis=0)
     return complex(-total[3]), complex(total[2])
 
 
-def _state(
-    body: Material, slowness: tuple[complex, complex], motion: tuple[complex, complex]
-) -> Complex:
-    """Return velocity x, y and stress xy, yy on y = 0 of a wave, (4,).
+def stresses(body: Material, wave: BondedWave) -> Complex:
+    """Return stress xx, yy, xy of a wave, -lambda (s.d) - mu (s d + d s), (3,)."""
+    (s_x, s_y), (d_x, d_y), mu = wave.slowness, wave.motion, body.shear_modulus
+    spread = (body.density * body.longitudinal_speed**2 - 2 * mu) * (s_x * d_x + s_y * d_y)
+    shear = -mu * (s_x * d_y + s_y * d_x)
+    return np.array([-spread - 2 * mu * s_x * d_x, -spread - 2 * mu * s_y * d_y, shear], complex)
 
-    The velocity is v d exp(i w (s.r - t)) with unit v, hence stress -lambda (s.d) - mu (s d + d s).
-    """
-    (s_x, s_y), (d_x, d_y), mu = slowness, motion, body.shear_modulus
-    spread = body.density * body.longitudinal_speed**2 - 2 * mu
-    shear, along = -mu * (s_x * d_y + s_y * d_x), s_x * d_x + s_y * d_y
-    return np.array([d_x, d_y, shear, -spread * along - 2 * mu * s_y * d_y], dtype=complex)
+
+def _state(body: Material, wave: BondedWave) -> Complex:
+    """Return velocity x, y and stress xy, yy on y = 0 of a wave, (4,)."""
+    _, across, shear = stresses(body, wave)
+    return np.array([*wave.motion, shear, across])

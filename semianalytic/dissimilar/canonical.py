@@ -96,8 +96,10 @@ def _limit(compliance: Compliance) -> float:
 def _rotation(compliance: Compliance, k: Values) -> Values:
     """Return the rotation G(k), (m, 2, 2)."""
     share = k / compliance.first
+    # eps of the exponent 1/2 +- i eps at a stuck contact edge
+    oscillation = float(np.arctanh(compliance.dundurs) / np.pi)
     # Like eps ln k at infinity, which makes N tend to the unit matrix, and like k at 0.
-    angle = compliance.oscillation * (2 * np.log1p(share) - np.log1p(share / 2))
+    angle = oscillation * (2 * np.log1p(share) - np.log1p(share / 2))
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.moveaxis(np.array([[cosine, -sine], [sine, cosine]]), (0, 1), (-2, -1))
 

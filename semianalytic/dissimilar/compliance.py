@@ -206,11 +206,6 @@ class Compliance:
         return (upper - lower) / self.static
 
     @property
-    def oscillation(self) -> float:
-        """epsilon = artanh(beta) / pi of the exponent 1/2 +- i epsilon at a stuck contact edge."""
-        return float(np.arctanh(self.dundurs) / np.pi)
-
-    @property
     def mirrored(self) -> Compliance:
         """Compliance with the bodies exchanged, for waves that run the other way: k becomes -k."""
         return Compliance(self.lower, self.upper)

@@ -138,7 +138,7 @@ def zone_beside_edge(
     # tau = K / sqrt(2 pi d) at the distance d of the first node, which has a known factor.
     root = change * np.sqrt(2 * np.pi * offset * spacing) / of_contact[0].real
     length = np.pi / 8 * (root / np.where(where, strength, 1.0)) ** 2
-    # A contact that sticks up to 2e-7 node distances beside an edge asked for 1e10 nodes.
+    # A contact that sticks up to 2e-7 node distances next to an edge asked for 1e10 nodes.
     length = np.where(where & (length > 1e-5 * spacing), length, 0.0)
     return length, 4 * compliance * strength * length**2 / (3 * np.pi)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
-from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
@@ -43,7 +42,9 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     film = 2.0 * loads.resistance * np.abs(rates[:, 0]) + abs(loads.load_shear)
     film += loads.friction * loads.base_pressure
     of_film = loads.resistance * np.abs(rates - others)[:, 0] / np.where(film > 0, film, 1.0)
-    at_edges = _traction_change(loads, finer.values, other.values)
+    # Differences of tau and sigma at edges, over themselves plus f P_b or P_b.
+    held = np.array([loads.friction * loads.base_pressure, loads.base_pressure])
+    at_edges = np.abs(finer.values - other.values) / (np.abs(finer.values) + held)
     changes = [shifts, left, of_rates, of_film, at_edges]
     return error + 2.0 * max(float(change.max()) for change in changes)
 
@@ -68,9 +69,3 @@ def _rates(density: Density) -> Array:
         rate = rate + density.panel_change(part, slope, amplitude)
         result.append(rate)
     return np.array(result)
-
-
-def _traction_change(interface: LoadedBodies, finer: Array, other: Array) -> Array:
-    """Return differences of tau and sigma at edges, (e, 2), over themselves plus f P_b or P_b."""
-    held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])
-    return np.asarray(np.abs(finer - other) / (np.abs(finer) + held))

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 
@@ -25,10 +24,17 @@ from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, rayleigh_slowness
 from semianalytic.dissimilar_slot.densities.zones import MovingZone
-from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.zones.collocation import lemke
+from semianalytic.selfsimilar.zones.collocation import (
+    at_nodes,
+    clustered,
+    element_integrals,
+    hat_areas,
+    hat_gram,
+    integrated_tests,
+    lemke,
+)
 
 _TOLERANCE = 1e-8
 """Tolerance of the canonical matrix on the grid, whose rates are one percent off."""
@@ -91,29 +97,15 @@ def grid_of(compliance: Compliance, size: int) -> SlownessGrid:
     # By the root of their length, so that short stretches between fronts get their share.
     lengths = np.sqrt(np.diff(ends))
     counts = np.maximum(np.round(size * lengths / lengths.sum()).astype(int), 5)
-    t, weight = gauss(6)
-    nodes, points, weights = [np.zeros(1)], [], []
-    for (left, right), count in zip(pairwise(ends), counts, strict=True):
-        s = np.arange(count + 1) / count
-        # sin^2 gathers nodes at both ends, where rates have roots.
-        nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
-        sub = (s[:-1, None] + t / count) * np.pi / 2
-        points.append(left + (right - left) * np.sin(sub) ** 2)
-        weights.append((right - left) * np.sin(2 * sub) * np.pi / 2 * weight / count)
-    xi, at, dxi = np.concatenate(nodes), np.concatenate(points), np.concatenate(weights)
+    xi, at, dxi = clustered(ends, counts)
     slopes, stuck = _slopes(compliance, xi, at.ravel())
-    test = _integrated_tests(xi, at, dxi)
-    width = np.diff(xi)
-    # A hat function covers half of the element on either side of its node.
-    area = np.convolve(width, [0.5, 0.5])[:-1]
-    gram = np.diag(np.convolve(width, [2, 2])[:-1])
-    gram = (gram + np.diag(width[:-1], 1) + np.diag(width[:-1], -1)) / 6
+    test, width = integrated_tests(xi, at, dxi), np.diff(xi)
     return SlownessGrid(
         xi,
         -np.einsum("mi,mnab->ianb", test, slopes),
         -np.einsum("mi,mab->iab", test, stuck),
-        area,
-        gram,
+        hat_areas(width)[:-1],
+        hat_gram(width)[:-1, :-1],
         np.asarray(np.linalg.inv(_gap_from_rate(xi)), dtype=float),
     )
 
@@ -124,38 +116,16 @@ def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]
     """
     canonical = glued(compliance, _TOLERANCE)
     inverse, rates = compliance.on_cut(1 / at).inverse, canonical.rates(1 / at)
-    n, width = len(xi) - 1, np.diff(xi)
-    density = np.zeros((n + 1, 2, 2))
+    density = np.zeros((len(xi), 2, 2))
     psi = np.swapaxes(canonical.psi(1 / xi[1:]), -1, -2)
     density[1:] = xi[1:, None, None] * psi / canonical.limit
-    slope = np.diff(density, axis=0) / width[:, None, None]
-    offset = xi - at[:, None]
-    # Piecewise linear densities have Cauchy integrals in closed form, logarithms and constants.
-    log = np.diff(np.log(np.abs(offset)), axis=1)[..., None, None]
-    near = density[:-1] - slope * offset[:, :-1, None, None]
-    cauchy = near * log + slope * width[:, None, None]
+    cauchy = element_integrals(xi, at, density)
     turned = inverse.imag @ rates / (-np.pi * at)[:, None, None]
     gradient = np.einsum("mab,mnbc->mnac", turned, cauchy)
     # Re C^(-1) is local: it takes the slope of the element in which the point lies.
     own = np.searchsorted(xi, at) - 1
     gradient[np.arange(len(at)), own] -= inverse.real
-    by_node = np.zeros((len(at), n + 1, 2, 2))
-    by_node[:, 1:] += gradient / width[:, None, None]
-    by_node[:, :-1] -= gradient / width[:, None, None]
-    return by_node[:, :-1], np.asarray(turned, dtype=float)
-
-
-def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
-    """Return weights (m, n) from slopes of a function, 0 at the last node, to its hat tests."""
-    n, width = len(xi) - 1, np.diff(xi)
-    local = (at - xi[:-1, None]) / width[:, None]
-    area = np.convolve(width, [0.5, 0.5])
-    passed = np.zeros((n, at.shape[1], n))
-    passed += np.where(np.arange(n)[:, None] > np.arange(n), area[:n], 0.0)[:, None]
-    rows = np.arange(n)
-    passed[rows, :, rows] = area[:n, None] - width[:, None] / 2 * (1 - local) ** 2
-    passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
-    return np.asarray((passed * dxi[:, :, None]).reshape(-1, n))
+    return at_nodes(gradient, np.diff(xi))[:, :-1], np.asarray(turned, dtype=float)
 
 
 def _gap_from_rate(xi: Array) -> Array:

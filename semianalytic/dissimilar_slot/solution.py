@@ -28,45 +28,12 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said
+from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone, is_open, over_slowness
 
 if TYPE_CHECKING:  # imported where it is asked for, for a quick import
     from semianalytic.dissimilar_slot.bodies import PairBodies
     from semianalytic.dissimilar_slot.derivative import PairDerivative
-
-
-@dataclass(frozen=True)
-class PairStatistics:
-    """Effort that a solution took.
-
-    Attributes
-    ----------
-    newton_steps : int, of the zone edges
-    zone_sets : int, sets of zones tried until the law of contact held everywhere
-    unknowns : int, zone edges
-    nodes : int, unknowns of the densities
-    residual : float, of their equations
-    smallest_singular_value : float, of these equations
-    seconds : dict of stage to time [s]
-
-    Examples
-    --------
-    >>> import semianalytic as sa
-    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-    >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
-    >>> scene = sa.Scene(gouge, 0.4, base, load, lower_material=rock)
-    >>> answer = sa.solve(scene, rtol=1e-6)
-    >>> answer.statistics.unknowns  # the edge of slip, and that of an opening
-    2
-    """
-
-    newton_steps: int
-    zone_sets: int
-    unknowns: int
-    nodes: int
-    residual: float
-    smallest_singular_value: float
-    seconds: dict[str, float]
 
 
 @asked_in_units
@@ -93,7 +60,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         - slip rate and rate of opening at points further than 0.03 of that speed from zone edges,
           relative to their largest value; slip and gap likewise;
         - shear traction and pressure there, relative to themselves plus base and load.
-    statistics : PairStatistics
+    statistics : Statistics
     profile : PairProfile
         The fields over slowness, in units of b and mu of the upper body and `stress_unit`.
     stress_unit : float
@@ -115,7 +82,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
     openings: tuple[OpenZone, ...]
     status: str
     error_estimate: float
-    statistics: PairStatistics
+    statistics: Statistics
     profile: PairProfile
     stress_unit: float
 
@@ -172,14 +139,6 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
         change = self.stress_unit * self._evaluate(x, t)[NORMAL]
         return np.where(is_open(self.openings, x, t), 0.0, self.scene.base.pressure - change)
-
-    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Strength less shear traction, f p + viscosity |V| - |tau| [stress] where it sticks; 0
-        where it slips."""
-        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
-        margin = strength - np.abs(self.shear_traction(x, t))
-        film = not isinstance(self.scene.friction, float)
-        return np.where(is_open(self.openings, x, t), 0.0, margin) if film else margin
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face, at x < 0; it is

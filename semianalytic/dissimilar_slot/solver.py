@@ -23,12 +23,13 @@ from semianalytic.dissimilar_slot.densities.zones import MovingZone, edges_of
 from semianalytic.dissimilar_slot.estimate import numerical_error
 from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
 from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
-from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
+from semianalytic.dissimilar_slot.solution import PairSolution, in_velocity
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve as solve_alike
+from semianalytic.selfsimilar.statistics import Statistics
 
 GRIDS = ((48, 1.0), (96, 1.0), (48, 0.7), (48, 0.4), (192, 1.0))
 """Nodes and share of friction of grids: one of 60 pairs needed a weaker one; the last may take 20
@@ -137,7 +138,7 @@ def coupled(scene: Scene, rtol: float) -> PairSolution:
     lawful = trial.lawful and largest_breach(profile, slowest) <= 30.0 * rtol
     clock.append(perf_counter())
     density = trial.placement.density
-    statistics = PairStatistics(
+    statistics = Statistics(
         newton_steps=trial.steps,
         zone_sets=trial.sets,
         unknowns=len(trial.placement.unknowns),
@@ -272,7 +273,7 @@ def check_well_posed(interface: LoadedBodies, zones: Sequence[MovingZone]) -> No
         )
 
 
-def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: float) -> str:
+def _status(lawful: bool, estimate: float, statistics: Statistics, rtol: float) -> str:
     """Return "converged", or a sentence on what is unreliable."""
     if not lawful:
         return "no set of zones was found that obeys the law of contact everywhere"

@@ -22,8 +22,8 @@ from semianalytic.engine.convergence import Departure
 from semianalytic.engine.estimate import judged
 from semianalytic.engine.loads import table_bytes
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import Checkpoint, ContactGrid, Layout, state_bytes
-from semianalytic.engine.record import Record, checkpoint_at, resumed
+from semianalytic.engine.nodes import ContactGrid, MarchCheckpoint, SlotLayout, state_bytes
+from semianalytic.engine.record import MarchRecord, checkpoint_at, resumed
 from semianalytic.engine.slot import SlotLine, spans_to, spans_until
 from semianalytic.engine.stepping.advance import Taken, stepped
 from semianalytic.engine.stepping.blocks import block_of
@@ -35,7 +35,7 @@ BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""
 
 Array = NDArray[np.float64]
-Part = tuple[ContactGrid, Layout]
+Part = tuple[ContactGrid, SlotLayout]
 """Nodes and layout of a march beside a slot, or of its companion."""
 
 
@@ -46,7 +46,7 @@ class Walk:
     ----------
     line : Stepper or SlotLine
         What is marched.
-    record : Record
+    record : MarchRecord
         Its record.
     end_time, latest : float
         Time to march to, and up to which the march may go on after that [time].
@@ -55,7 +55,12 @@ class Walk:
     """
 
     def __init__(
-        self, line: Any, record: Record, end_time: float, latest: float, earlier: Marched | None
+        self,
+        line: Any,
+        record: MarchRecord,
+        end_time: float,
+        latest: float,
+        earlier: Marched | None,
     ) -> None:
         self._line, self.record, self._latest = line, record, latest
         if earlier is None:
@@ -65,7 +70,7 @@ class Walk:
         else:
             self.now = resumed(line, record, earlier)
         self._spans = line.spans(self.now.time, end_time)
-        self._kept: Checkpoint | None = None
+        self._kept: MarchCheckpoint | None = None
 
     def steps(self, asked: Callable[[float], bool], block: int | None = None) -> Iterator[Taken]:
         """Step on until `asked` says so, record steps, and yield them."""
@@ -159,7 +164,7 @@ def advance(
         line = SlotLine(scene, nodes, laid, since)
         # half of `every`, rounded up, of half the steps: levels lie at about the same times
         levels = -(-every // laid.stride)
-        record = Record(line, levels, first=first, steps=steps // laid.stride)
+        record = MarchRecord(line, levels, first=first, steps=steps // laid.stride)
         walks.append(Walk(line, record, end_time, laid.latest, march))
     counted, told, ended = 0, False, False
 

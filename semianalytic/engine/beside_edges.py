@@ -33,7 +33,7 @@ SMALLEST = 1e-300
 
 
 def film_error(first: Array, second: Array, slope: Any, impedance: float) -> Array:
-    """Return the error of slip or its rate beside edges under a film, over the node distance.
+    """Return the error of slip or its rate next to edges under a film, over the node distance.
 
     Farther from an edge than mu t / viscosity a film is all but stuck: its slip rate follows the
     singular traction of a contact that sticks, of which the first two nodes have a known ratio.
@@ -78,7 +78,7 @@ def hidden_openings(
 
 def hidden_force(marched: Any) -> float:
     """Return the force that openings at the edge which no node shows take off slip in a march
-    beside a slot, over that which drives it."""
+    next to a slot, over that which drives it."""
     scene, known, spacing = marched.scene, marched.interface, marched.spacing
     held, load = scene.superposition
     left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
@@ -89,7 +89,7 @@ def hidden_force(marched: Any) -> float:
 
 
 def film_share(marched: Any) -> float:
-    """Return the error of the slip rate at the edge of a film beside a slot, over all of it."""
+    """Return the error of the slip rate at the edge of a film next to a slot, over all of it."""
     rates, slope = marched.interface.slip_rate, marched.scene.law.steady_slope()
     if not slope or marched.nodes == 1:
         return 0.0
@@ -98,7 +98,7 @@ def film_share(marched: Any) -> float:
 
 
 class EdgeNodes:
-    """The e first nodes of the contacts of a line beside slots.
+    """The e first nodes of the contacts of a line next to slots.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ class EdgeNodes:
 
     @cached_property
     def missed_slip(self) -> tuple[float, float]:
-        """The longest slip beside edges whose first node sticks, and the areas of all, added up.
+        """The longest slip next to edges whose first node sticks, and the areas of all, added up.
 
         The first node may stick on any grid that is too coarse, and slip that is zero on two grids
         does not differ.

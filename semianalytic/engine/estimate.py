@@ -89,7 +89,7 @@ def estimated(
         sizes[name] = max(float(scale.sum()), float(apart.sum()))
         shares[name] = float(apart.sum()) / sizes[name] if sizes[name] else 0.0
         if name in ("slip", "slip_rate"):
-            # One of two edges may be far off though most slip is beside the other one.
+            # One of two edges may be far off though most slip is next to the other one.
             sums = ((float(apart[nodes].sum()), float(scale[nodes].sum())) for nodes in zones)
             shares[name] = max(
                 shares[name], 0.0, *(off / max(size, off) for off, size in sums if off)
@@ -119,7 +119,7 @@ def estimated(
         # Slip at a slot that is pushed is 7, 1.6 and 0.4 % off with 2, 4 and 8 nodes on it.
         needed = in_fours(scene.period * 4.0 / zone)
         status = (
-            f"unresolved: the contact slips beside an edge over about {zone:.2g}, which nodes "
+            f"unresolved: the contact slips next to an edge over about {zone:.2g}, which nodes "
             f"{spacing:.2g} apart do not resolve; use {needed} nodes or more."
         )
     if status == "done" and errors[name] > largest:
@@ -200,7 +200,7 @@ def too_short(scene: Scene, time: float) -> str:
 
 
 def judged(marched: Marched) -> Marched:
-    """Return a march beside a slot with the estimate of its error, and whether it is resolved."""
+    """Return a march next to a slot with the estimate of its error, and whether it is resolved."""
     errors = {} if marched.companion is None else {"slip_rate": _slot_error(marched)}
     marched = replace(marched, error_estimates=errors)
     found, caution = marched.shortfalls, ""

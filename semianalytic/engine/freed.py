@@ -1,6 +1,6 @@
-"""How the faces of a slot move beside a contact whose motion a march has found.
+"""How the faces of a slot move next to a contact whose motion a march has found.
 
-A march beside a slot is long enough for its contact to see no mirror image.  In the bodies behind
+A march next to a slot is long enough for its contact to see no mirror image.  In the bodies behind
 the edge the slot matters on twice that length.  With the slip of the contact given, the faces of a
 longer slot are free, and step on their own; so they do under pressure, where a closed contact does
 not open.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.loads import FreeFaces, front_of
-from semianalytic.engine.nodes import ContactGrid, Layout
+from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
@@ -31,7 +31,7 @@ MARGIN = 1.05
 
 
 def bodies_beside_slot(marched: Any) -> MarchedBodies:
-    """Return the bodies of a march beside a slot."""
+    """Return the bodies of a march next to a slot."""
     scene, speed = marched.scene, marched.scene.fastest_speed
     # of a companion too the steps are those that suit its own nodes
     layout = replace(marched.checkpoint.layout, stride=1)
@@ -55,7 +55,7 @@ def bodies_beside_slot(marched: Any) -> MarchedBodies:
     return MarchedBodies(scene, motion, first, spacing, edges, centre, *ends)
 
 
-def _longer(marched: Any, layout: Layout) -> ContactGrid:
+def _longer(marched: Any, layout: SlotLayout) -> ContactGrid:
     """Return the nodes of a march with a slot so long that no mirror image is seen behind it."""
     from scipy.fft import next_fast_len
 
@@ -95,7 +95,7 @@ def _slip(marched: Any) -> Callable[[Array, bool], Array]:
     return given
 
 
-def _moved(marched: Any, layout: Layout, line: FreeFaces) -> Motion:
+def _moved(marched: Any, layout: SlotLayout, line: FreeFaces) -> Motion:
     """Return the motion of a line from the beginning of its load until the end of a march."""
     rest, begins = np.zeros(line.grid.nodes // 2), layout.begins
     none = rest[line.kept]

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.engine.nodes import ContactGrid, Layout
+from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
 from semianalytic.engine.stepping.fronts import ActingFront
@@ -227,7 +227,7 @@ def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
 
 
 class FreeFaces(ClosedLine):
-    """A line beside a slot, whose faces are free, and whose contact moves as is known.
+    """A line next to a slot, whose faces are free, and whose contact moves as is known.
 
     It is its own law and local problem.  The grid sees the edge as it sees that of a march.
 
@@ -237,7 +237,7 @@ class FreeFaces(ClosedLine):
         What is marched.
     nodes : ContactGrid
         Nodes, also those of a longer slot than that of the march.
-    layout : Layout
+    layout : SlotLayout
         Memory and damping.
     name : {"pressure", "shear"}
         The quantity of the load: rates are those at which the slot closes, or slips.
@@ -253,7 +253,7 @@ class FreeFaces(ClosedLine):
         self,
         scene: Scene,
         nodes: ContactGrid,
-        layout: Layout,
+        layout: SlotLayout,
         name: Literal["pressure", "shear"],
         front: Front | None,
         given: Callable[[Array, bool], Array] | None = None,
@@ -326,7 +326,7 @@ class FrontPressure(FreeFaces):
         self,
         scene: Scene,
         nodes: ContactGrid,
-        layout: Layout,
+        layout: SlotLayout,
         front: Front,
         step: float,
         since: float,

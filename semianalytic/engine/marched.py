@@ -16,7 +16,7 @@ from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
 from semianalytic.engine.bodies.motion import Motion
-from semianalytic.engine.nodes import Checkpoint
+from semianalytic.engine.nodes import MarchCheckpoint
 from semianalytic.engine.resolution import Shortfall, shortfalls_of
 from semianalytic.engine.stepping.line import grid_of
 from semianalytic.engine.stepping.state import Extremes
@@ -49,7 +49,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     and onsets are those of every step.
 
     Fields in the bodies follow from slip and opening of the whole line, and are as accurate as the
-    march, smoothed over a hundredth of the distance that waves have travelled; beside a slot they
+    march, smoothed over a hundredth of the distance that waves have travelled; next to a slot they
     are refused where waves have come from beyond the observed contact.  Points of one depth, or of
     one time, share most of the work.  See docs/spacetime.md, "Fields in the bodies".
 
@@ -58,28 +58,28 @@ class Marched(AnswerInBodies, SampledAnswer):
     scene : Scene
         The scene that was marched.
     nodes : int
-        Nodes of one period of a line, or of the observed contact beside a slot.
+        Nodes of one period of a line, or of the observed contact next to a slot.
     interface : InterfaceHistory
-        Fields at the nodes and stored levels; on an even line x >= 0, beside a slot the observed
+        Fields at the nodes and stored levels; on an even line x >= 0, next to a slot the observed
         contact alone.
     totals : Totals
         Totals of the contact, at the begin and after every step.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
     status : str
-        Beside a slot "resolved", or "unresolved" where there is a `caution`; on a line "done",
+        Next to a slot "resolved", or "unresolved" where there is a `caution`; on a line "done",
         "unresolved: ...", "interrupted at t = ...", or "interrupted in the estimate of its error:
         ...", whose fields are complete.
     caution : str
         A sentence on what limits the accuracy and can be changed; empty if nothing does.
-    checkpoint : Checkpoint
+    checkpoint : MarchCheckpoint
         The state from which the march continues.
     error_estimates : mapping
         Estimated relative L1 errors of the slip rate over contact and time; on a line also of slip
         and the change of shear traction, and of gap and pressure if loads change the pressure.
         Empty without a companion.
     companion : Marched or None
-        The same march on half the nodes, from which errors are estimated.  Beside a slot it takes
+        The same march on half the nodes, from which errors are estimated.  Next to a slot it takes
         half the steps, and stores every other level.
     motion : Motion or None
         Rates of slip and opening of a whole line in every step, which drive the bodies.
@@ -110,7 +110,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     totals: Totals
     seen: Extremes
     status: str
-    checkpoint: Checkpoint = field(repr=False)
+    checkpoint: MarchCheckpoint = field(repr=False)
     caution: str = ""
     error_estimates: Mapping[str, float] = field(default_factory=dict)
     companion: Marched | None = field(default=None, repr=False)
@@ -151,7 +151,7 @@ class Marched(AnswerInBodies, SampledAnswer):
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
-        """The known reasons why the grid beside a slot is too coarse (`shortfalls_of`)."""
+        """The known reasons why the grid next to a slot is too coarse (`shortfalls_of`)."""
         return () if self.scene.on_line else shortfalls_of(self)
 
     @property
@@ -285,14 +285,6 @@ class Marched(AnswerInBodies, SampledAnswer):
         found = np.where(along == 0, values[..., left], found)
         known = (np.abs(given) <= self._reach) & self.scene.contact.touches(place)
         return np.where(known, found, np.nan)
-
-    def events(self, rate: float) -> list[tuple[float, float]]:
-        """Return begin and end of the times in which the peak slip rate exceeds a rate [time]."""
-        t, peaks = self.totals.t, np.asarray(self.totals.peak_rate)
-        above = np.concatenate([[False], peaks > rate, [False]])
-        turns = np.flatnonzero(above[1:] != above[:-1])
-        begins, ends = turns[::2], turns[1::2] - 1
-        return [(float(t[i]), float(t[j])) for i, j in zip(begins, ends, strict=True)]
 
     def beside_edge(self, edge: float, frame: int = -1) -> EdgeReading:
         """Return the fields next to an edge at which the contact of a line sticks.

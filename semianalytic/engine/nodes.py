@@ -1,19 +1,24 @@
-"""What a march goes on from, and the nodes beside a slot, whose ends send no wave back."""
+"""What a march goes on from, and the nodes next to a slot, whose ends send no wave back."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
+from semianalytic.engine.resolution import check_weakening_seen
 from semianalytic.engine.stepping import line as stepping_line
 from semianalytic.engine.stepping.state import Extremes, State
-from semianalytic.memory.exponentials import Memory
+from semianalytic.memory.exponentials import Memory, fit_memory
+from semianalytic.memory.impedance import impedance_of
 from semianalytic.memory.line_memory import Past
 from semianalytic.results.memory import check_memory
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -68,8 +73,8 @@ class ContactGrid:
 
 
 @dataclass(frozen=True)
-class Layout:
-    """How a march beside a slot is laid out in time, which a continuation keeps.
+class SlotLayout:
+    """How a march next to a slot is laid out in time, which a continuation keeps.
 
     Attributes
     ----------
@@ -96,7 +101,7 @@ class Layout:
 
 
 @dataclass(frozen=True, eq=False)
-class Checkpoint:
+class MarchCheckpoint:
     """Everything from which a march goes on, and what it was asked for.
 
     Attributes
@@ -115,8 +120,8 @@ class Checkpoint:
         Extremes until then.
     latest : float
         Time up to which the march may go on [time].
-    layout : Layout or None
-        How a march beside a slot is laid out; None along a line.
+    layout : SlotLayout or None
+        How a march next to a slot is laid out; None along a line.
     settings : dict
         Those of the `Stepper` of a line.
     rtol, order : float or None
@@ -137,7 +142,7 @@ class Checkpoint:
     count: int
     seen: Extremes
     latest: float
-    layout: Layout | None = None
+    layout: SlotLayout | None = None
     settings: dict[str, float] = field(default_factory=dict)
     rtol: float | None = None
     order: float | None = None
@@ -204,6 +209,53 @@ def causal_grid(
     # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
     return ContactGrid(spacing, size - contact, nodes, size)
+
+
+def checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
+    """Return where a load that comes along the slot begins [length]; 0 for any other load.
+
+    Raises
+    ------
+    SceneError
+        If it is given for another load, or is not a positive number.
+    """
+    slowness = scene.front_slowness
+    if slowness <= 0:
+        if entry is not None:
+            raise SceneError(
+                "march: `entry` is for a load that comes along the slot, a wave at a positive "
+                "angle or a moving load of negative speed; leave it out."
+            )
+        return 0.0
+    if entry is not None:
+        return checked_size("march: entry", entry, "be above 0")
+    if scene.front_too_slow:
+        return length
+    # the first wave of the beginning reaches the tip at `latest`
+    return latest / (1 / scene.fastest_speed - slowness)
+
+
+def laid_out(
+    scene: Scene, nodes: int, length: float, tolerance: float, companion: bool, **options: Any
+) -> list[tuple[ContactGrid, SlotLayout]]:
+    """Return nodes and layout of a march on a number of contact nodes, and of its companion.
+
+    The options are latest, step_ratio, damping and entry.
+    """
+    check_weakening_seen(scene, length / nodes)
+    latest, entry = options["latest"], options["entry"]
+    grid = causal_grid(scene, latest, length, nodes, entry)
+    # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
+    # same sum of exponentials serves both.
+    passing = latest + max(scene.front_slowness, 0.0) * entry
+    horizon = grid.line.wavenumbers[-1] * scene.material.shear_speed * passing
+    kernel = fit_memory(impedance_of(scene), horizon, tolerance)
+    begins = 0.0 - max(scene.front_slowness, 0.0) * entry
+    layout = SlotLayout(kernel, begins=begins, **options)
+    # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
+    coarse = math.ceil(nodes / 2)
+    coarser = causal_grid(scene, latest, 2 * grid.spacing * coarse, coarse, entry)
+    return [(grid, layout), (coarser, replace(layout, stride=2))][: 1 + companion]
 
 
 def state_bytes(size: int, poles: int) -> int:

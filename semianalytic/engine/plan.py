@@ -23,12 +23,11 @@ from semianalytic.engine.estimate import (
 )
 from semianalytic.engine.loads import TOLERANCES
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import ContactGrid, Layout, causal_grid, check_size
-from semianalytic.engine.record import Record
+from semianalytic.engine.nodes import check_size, checked_entry, laid_out
+from semianalytic.engine.record import MarchRecord
 from semianalytic.engine.resolution import (
     WEAKENING_NODES,
     ZONE_NODES,
-    check_weakening_seen,
     nodes_for_loads,
     rounded_up,
     zone_at_edge,
@@ -38,8 +37,6 @@ from semianalytic.engine.stepping.line import fitting_nodes, with_period
 from semianalytic.engine.stepping.means import LARGEST_FEEDBACK
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact, nodes_for_histories
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.memory.exponentials import fit_memory
-from semianalytic.memory.impedance import impedance_of
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.contact import process_zone, wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -74,7 +71,7 @@ class Asked:
     go_on: Marched | None
 
 
-class Plan(NamedTuple):
+class MarchPlan(NamedTuple):
     """How a scene is marched on a number of nodes, the first of which and the most are given.
 
     `march` takes the nodes, and a march on fewer of them that was tried before; it returns the
@@ -134,7 +131,7 @@ def check_going_on(scene: Scene, marched: Marched, asked: Asked, given: dict[str
 # --- beside a slot -----------------------------------------------------------------------------
 
 
-def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> Plan:
+def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> MarchPlan:
     """Return how a scene with a slot is marched, with settings that were given for slots.
 
     Raises
@@ -190,10 +187,10 @@ def beside_slot(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops)
     least = 1000 if rtol is None else 250
     check_size(scene, latest, length, nodes or least, memory, asked.estimate, entry)
     count = enough_nodes(scene, end_time, length, nodes, least, options)
-    return Plan(count, MOST_NODES, march, int, lambda marched: marched.error_estimate)
+    return MarchPlan(count, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
 
-def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> Plan:
+def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -> MarchPlan:
     """Return how a march beside a slot is continued, without recomputing anything."""
     marched: Any = asked.go_on
     start = marched.checkpoint
@@ -205,31 +202,7 @@ def _going_on(scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops) -
         # no order: that was seen until the time that the march had reached, under its loads alone
         return advance(scene, parts, asked.end_time, start.every, earlier=marched, **options), None
 
-    return Plan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
-
-
-def checked_entry(scene: Scene, latest: float, length: float, entry: float | None) -> float:
-    """Return where a load that comes along the slot begins [length]; 0 for any other load.
-
-    Raises
-    ------
-    SceneError
-        If it is given for another load, or is not a positive number.
-    """
-    slowness = scene.front_slowness
-    if slowness <= 0:
-        if entry is not None:
-            raise SceneError(
-                "march: `entry` is for a load that comes along the slot, a wave at a positive "
-                "angle or a moving load of negative speed; leave it out."
-            )
-        return 0.0
-    if entry is not None:
-        return checked_size("march: entry", entry, "be above 0")
-    if scene.front_too_slow:
-        return length
-    # the first wave of the beginning reaches the tip at `latest`
-    return latest / (1 / scene.fastest_speed - slowness)
+    return MarchPlan(marched.nodes, MOST_NODES, march, int, lambda marched: marched.error_estimate)
 
 
 def enough_nodes(
@@ -269,35 +242,12 @@ def enough_nodes(
     return needed
 
 
-def laid_out(
-    scene: Scene, nodes: int, length: float, tolerance: float, companion: bool, **options: Any
-) -> list[tuple[ContactGrid, Layout]]:
-    """Return nodes and layout of a march on a number of contact nodes, and of its companion.
-
-    The options are latest, step_ratio, damping and entry.
-    """
-    check_weakening_seen(scene, length / nodes)
-    latest, entry = options["latest"], options["entry"]
-    grid = causal_grid(scene, latest, length, nodes, entry)
-    # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
-    # same sum of exponentials serves both.
-    passing = latest + max(scene.front_slowness, 0.0) * entry
-    horizon = grid.line.wavenumbers[-1] * scene.material.shear_speed * passing
-    kernel = fit_memory(impedance_of(scene), horizon, tolerance)
-    begins = 0.0 - max(scene.front_slowness, 0.0) * entry
-    layout = Layout(kernel, begins=begins, **options)
-    # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
-    coarse = math.ceil(nodes / 2)
-    coarser = causal_grid(scene, latest, 2 * grid.spacing * coarse, coarse, entry)
-    return [(grid, layout), (coarser, replace(layout, stride=2))][: 1 + companion]
-
-
 # --- along a line ------------------------------------------------------------------------------
 
 
 def along_line(
     scene: Scene, asked: Asked, given: dict[str, Any], stops: Stops, interrupted: Stops
-) -> Plan:
+) -> MarchPlan:
     """Return how a scene on a line is marched, with settings that were given for lines.
 
     Marches on half the nodes end where `interrupted` says so.
@@ -346,7 +296,7 @@ def along_line(
 
         return estimated(done, half, asked.rtol, coarser)
 
-    return Plan(
+    return MarchPlan(
         count,
         most,
         march,
@@ -394,7 +344,7 @@ def _run(scene: Scene, nodes: int, asked: Asked, options: dict[str, Any], stops:
         begun = 1e-3 * float(stepper.pressure.max(initial=0.0)) / stepper.impedance
         begun = 0.0 if stepper.law.has_threshold else begun
         begun = begun if earlier is None else earlier.seen.slipping
-    record = Record(stepper, asked.every, options["frames"], options["times"], begun)
+    record = MarchRecord(stepper, asked.every, options["frames"], options["times"], begun)
     walk, stopped = Walk(stepper, record, end_time, latest, earlier), False
 
     def stopping(time: float) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.marched import Marched
-from semianalytic.engine.nodes import Checkpoint
+from semianalytic.engine.nodes import MarchCheckpoint
 from semianalytic.engine.stepping.advance import Part, Taken, taken_of
 from semianalytic.engine.stepping.state import Extremes, State
 from semianalytic.results.interface_history import InterfaceHistory
@@ -22,7 +22,7 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 
-class Record:
+class MarchRecord:
     """Fields at every k-th level, thinned to a number of frames, or at given times.
 
     Parameters
@@ -236,10 +236,10 @@ class _Rows:
         return [array[: self.count] for array in self._arrays]
 
 
-def checkpoint_at(line: Any, record: Record, now: State, latest: float) -> Checkpoint:
+def checkpoint_at(line: Any, record: MarchRecord, now: State, latest: float) -> MarchCheckpoint:
     """Return what a march goes on from at a state until a latest time."""
     past, *opening = (memory.past() for memory in line.every_memory())
-    return Checkpoint(
+    return MarchCheckpoint(
         grid=line.nodes,
         state=now,
         end=now,
@@ -254,7 +254,7 @@ def checkpoint_at(line: Any, record: Record, now: State, latest: float) -> Check
     )
 
 
-def resumed(line: Any, record: Record, earlier: Marched) -> State:
+def resumed(line: Any, record: MarchRecord, earlier: Marched) -> State:
     """Put the memory and the record of an earlier march in place and return its state."""
     kept = earlier.checkpoint
     now, times = kept.state, earlier.interface.t

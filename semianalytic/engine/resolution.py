@@ -98,7 +98,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
         else:
             share = front_share(scene.material, scene.front_slowness, scene.shear_mode)
             mode_two = intensities[1] * share
-    # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
+    # Next to the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
     # f p less the shear that the slot faces carry, both of the tractions left on the slot.
     excess = np.abs(mode_two) - scene.coefficient * mode_one
     strength = scene.coefficient * (
@@ -144,7 +144,7 @@ def check_weakening_seen(scene: Scene, spacing: float) -> None:
 
 
 def shortfalls_of(marched: Any) -> tuple[Shortfall, ...]:
-    """Return the known reasons why the grid of a march beside a slot is too coarse.
+    """Return the known reasons why the grid of a march next to a slot is too coarse.
 
     These are slip at the edge over less than five nodes (which would otherwise look like no slip),
     slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
-from semianalytic.engine.nodes import ContactGrid, Layout
+from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import CUT, Span, reached_at
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level
@@ -38,7 +38,7 @@ class SlotLine(ClosedLine):
         What is marched.
     nodes : ContactGrid
         Nodes of slot and contact.
-    layout : Layout
+    layout : SlotLayout
         Memory and steps.
     since : float
         Time from which the march goes on [time].
@@ -48,7 +48,7 @@ class SlotLine(ClosedLine):
     unilateral, settings = None, dict[str, float]()
     fields = "slip", "slip_rate", "shear_traction", "pressure", "gap"
 
-    def __init__(self, scene: Scene, nodes: ContactGrid, layout: Layout, since: float) -> None:
+    def __init__(self, scene: Scene, nodes: ContactGrid, layout: SlotLayout, since: float) -> None:
         self.scene, self.nodes, self.layout = scene, nodes, layout
         self.damping, self.kept = layout.damping, nodes.contact
         self.grid, self.law, self.jumps = nodes.line, scene.law, scene.jumps
@@ -159,7 +159,7 @@ class SlotLine(ClosedLine):
         self.scene.check_weakening(float(pressure.max()))
 
 
-def spans_until(scene: Scene, nodes: ContactGrid, layout: Layout) -> list[Span]:
+def spans_until(scene: Scene, nodes: ContactGrid, layout: SlotLayout) -> list[Span]:
     """Return the spans between jumps of the loads until the latest time, in pairs of equal steps.
 
     The end of each pair is a level of the companion as well, whose steps are twice as long.

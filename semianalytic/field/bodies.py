@@ -91,7 +91,7 @@ class Bodies:
         """Return rows (n, ...) of a quantity with those of an incident wave added."""
         load = self.scene.load
         if isinstance(load, IncidentWave):
-            rows = rows + plane_wave(load, self.scene.material, quantity, (x, y, t))[: len(rows)]
+            rows = rows + plane_wave(load, (self.scene.material,), quantity, (x, y, t))[: len(rows)]
         return rows
 
     @cached_property

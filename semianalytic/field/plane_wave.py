@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.dissimilar.bonded import bonded_waves, stresses
+from semianalytic.engine.stepping.hilbert import analytic
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
@@ -16,33 +18,55 @@ Array = NDArray[np.float64]
 
 def plane_wave(
     wave: IncidentWave,
-    solid: Material,
+    bodies: tuple[Material, ...],
     quantity: Literal["velocity", "stress", "displacement"],
     at: tuple[ArrayLike, ArrayLike, ArrayLike],
     history: LoadHistory | None = None,
 ) -> Array:
     """Return what a wave makes of a quantity, rows x, y, z or xx, yy, xy, xz, yz, (n, ...).
 
+    Displacement is that since t = 0 where waves run ahead of the front, beyond a critical angle.
+
     Parameters
     ----------
     wave : IncidentWave
         Its front is at x = 0 of the interface at t = 0.
-    solid : Material
+    bodies : one or two Material
+        The upper solid, and the lower one if it is another, to which it is bonded.
     quantity : {"velocity", "stress", "displacement"}
     at : three arrays
         x, y [length] and t [time].
     history : LoadHistory, optional
         Factor over the time since the front; a step by default.
     """
-    n_x, n_y = (component / wave.speed(solid) for component in wave.direction())
-    x, y, t = (np.asarray(values, dtype=float) for values in at)
-    lag, pieces = t - n_x * x - n_y * y, (history or Step()).pieces
-    if quantity == "displacement":
-        moved = wave.particle_velocity(solid) * pieces.integral(lag)
-        return np.stack([part * moved for part in wave.polarisation()])
-    arrived = pieces.value(np.nextafter(lag, np.inf))
-    if quantity == "velocity":
-        moved = wave.particle_velocity(solid) * arrived
-        return np.stack([part * moved for part in wave.polarisation()])
-    sigma = wave.stresses(solid)
-    return np.stack([sigma[name] * arrived for name in ("xx", "yy", "xy", "xz", "yz")])
+    x, y, t = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in at))
+    history, still = history or Step(), quantity == "displacement"
+    rows = np.zeros((5 if quantity == "stress" else 3, *x.shape))
+    everywhere = np.ones(x.shape, dtype=bool)
+    if len(bodies) == 1:
+        n_x, n_y = (component / wave.speed(bodies[0]) for component in wave.direction())
+        sizes = np.multiply(wave.particle_velocity(bodies[0]), wave.polarisation())
+        if quantity == "stress":
+            sizes = np.array([*wave.stresses(bodies[0]).values()])
+        parts: list[Any] = [((n_x, n_y), sizes, everywhere)]
+    else:
+        parts = []
+        for one in bonded_waves(wave, bodies[0], bodies[1]):
+            sizes = np.array([*one.motion, 0.0])
+            if quantity == "stress":
+                sizes = np.array([*stresses(bodies[not one.is_above], one), 0.0, 0.0])
+            parts.append((one.slowness, sizes, np.signbit(y) != one.is_above))
+    decays = any(np.imag(slowness[1]) or np.imag(sizes).any() for slowness, sizes, _ in parts)
+    for (p, q), sizes, here in parts:
+        lag = (t - np.real(p) * x - np.real(q) * y)[here]
+        if decays:
+            late = 1j * np.abs(np.imag(q) * y[here])
+            arrived = analytic(history, lag + late, int(still))
+            if still:
+                arrived -= analytic(history, lag - t[here] + late, 1)
+        elif still:
+            arrived = history.pieces.integral(lag)
+        else:
+            arrived = history.pieces.value(np.nextafter(lag, np.inf))
+        rows[:, here] += (np.conj(sizes)[:, None] * arrived).real
+    return rows

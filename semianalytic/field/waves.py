@@ -17,7 +17,7 @@ surface at the rates V_x = k (P_v + S_v) and V_y = k^2 S_v / beta - alpha P_v, s
     S_v = beta (V_y + alpha V_x / k) / (alpha beta + k^2)
 
 whatever the tractions are that move it.  Displacement takes the
-same densities with the phase t + k x - alpha y, t + k x - beta y as a factor.  Beside the edge,
+same densities with the phase t + k x - alpha y, t + k x - beta y as a factor.  Next to the edge,
 where k is large, the two waves nearly cancel; their sums are formed without that cancellation.  In
 antiplane shear there is one wave, of v_z = -S / k, sigma_xz = -S and sigma_yz = T / k.
 """

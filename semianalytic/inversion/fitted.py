@@ -33,11 +33,12 @@ class Fit:
     values : (p,) array
         Estimates, in the units of the scene.
     covariance : (p, p) array
-        Covariance of the estimates; infinite for parameters that the data do not constrain.
+        Covariance of the estimates by noise, and by the grid of a march, whose error at the gauges
+        is estimated from twice the nodes; infinite for parameters that the data do not constrain.
     interval : (p, 2) array
         Lower and upper end of each value: there chi2, with the other values fitted anew, is one
-        above its least.  If chi2 is a parabola, this is one standard error to either side; an end
-        is infinite where the data set none.
+        above its least, and the error of the grid is added.  If chi2 is a parabola, this is one
+        standard error to either side; an end is infinite where the data set none.
     chi2 : float
         Sum of squares of the misfits over the noise, and over the widths of priors.
     freedom : int

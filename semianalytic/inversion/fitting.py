@@ -129,15 +129,22 @@ def fit(
         status = (
             f"derivatives by differences are off by {derivative_error:.0%}, and the errors as much"
         )
-    off = trials.grid_error(best.scaled, solution)
     trials.followed = None  # nor do they depend on what came before
-    if status == "converged" and off > 1.0:  # values are off by up to a standard error
-        status = f"the grid changes what gauges see by {off:.2g} times the noise; raise `nodes`"
+    # how far the values would move with records that were off by the error of the grid
+    noise_alone = np.where(np.isfinite(covariance), covariance, 0.0)
+    shift = noise_alone @ best.jacobian.T @ trials.grid_error(best.scaled, solution)
+    errors, sides = np.sqrt(np.diag(covariance)), interval - best.scaled[:, None]
+    large = np.abs(shift) > errors
+    coarse = [name for name, is_coarse in zip(names, large, strict=True) if is_coarse]
+    if status == "converged" and coarse:
+        status = f"the grid adds more than noise to the error of {coarse[0]}; raise `nodes`"
+    interval = best.scaled[:, None] + np.sign(sides) * np.hypot(sides, shift[:, None])
+    interval = np.clip(interval.T, *trials.bounds).T
     fit = Fit(
         parameters=names,
         values=best.scaled * size,
         # Unknowns of the search are over their sizes; covariances go like the square.
-        covariance=covariance * np.outer(size, size),
+        covariance=(covariance + np.outer(shift, shift)) * np.outer(size, size),
         interval=interval * size[:, None],
         chi2=best.chi2,
         freedom=trials.rows - len(names),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,11 @@ from semianalytic.engine.marched import Marched
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import Gauge
+from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
 from semianalytic.parameters.numbers import Number, numbers_of
-from semianalytic.results.interface_history import between
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
@@ -48,48 +47,21 @@ class RecordedRun:
         """ "converged", or what to distrust of the run."""
         return "converged" if self.run.status == "done" else self.run.status
 
-    def slip(self, x: Array, t: Array) -> Array:
-        """Return slip at n positions and times, (n,); cubic in time between frames."""
-        begin, end, share, step = self._frames("slip", x, t)
-        rates = self._frames("slip_rate", x, t)
-        # Hermite's cubic: a line between the frames, and a bend by which the slopes at both ends
-        # are the slip rates.
-        back = 1 - share
-        line = begin + share * (end - begin)
-        mean = np.where(step > 0, (end - begin) / np.where(step > 0, step, 1.0), 0.0)
-        bend = back * (rates[0] - mean) - share * (rates[1] - mean)
-        # Slip counts from the load; before it records hold what was in place.
-        return np.where(t < 0, 0.0, line + step * share * back * bend)
-
-    def slip_rate(self, x: Array, t: Array) -> Array:
-        """Return the slip rate at n positions and times, (n,)."""
-        return self._linear("slip_rate", x, t, self.scene.rate)
-
-    def shear_traction(self, x: Array, t: Array) -> Array:
-        """Return the shear traction at n positions and times, (n,)."""
-        return self._linear("shear_traction", x, t, self.scene.base.shear)
-
-    def pressure(self, x: Array, t: Array) -> Array:
-        """Return the pressure at n positions and times, (n,)."""
-        return self._linear("pressure", x, t, self.scene.base.pressure)
-
     def __getattr__(self, name: str) -> Any:
-        """Return what is that of the run: fields in the bodies, and fronts."""
-        return getattr(self.run, name)
+        """Return what is that of the run; records of the interface begin before the load."""
+        if name not in INTERFACE:
+            return getattr(self.run, name)
+        base = self.scene.base
+        before = dict(
+            zip(INTERFACE, (self.scene.rate, 0.0, base.shear, base.pressure), strict=True)
+        )
+        return partial(self._since, name, before[name])
 
-    def _linear(self, name: str, x: Array, t: Array, before: Any) -> Array:
-        begin, end, share, _ = self._frames(name, x, t)
+    def _since(self, name: str, before: Any, x: Array, t: Array) -> Array:
+        """Return a field of the run, and before the load what was in place."""
         early = sampled(name, before, np.asarray(x, dtype=float))
-        return np.where(t < 0, early, begin + share * (end - begin))
-
-    def _frames(self, name: str, x: Array, t: Array) -> tuple[Array, Array, Array, Array]:
-        """Return a field in the frames around each time, the share of the way, and the way."""
-        # Gauges have few places and many times: each place is interpolated once over all frames.
-        places, which = np.unique(x, return_inverse=True)
-        values, known = self.run.at(getattr(self.run.interface, name), places), self.run.interface.t
-        left, right, share = between(known, t)
-        column = np.ravel(which)
-        return values[left, column], values[right, column], share, known[right] - known[left]
+        found = getattr(self.run, name)(x, np.clip(t, 0.0, self.run.end_time))
+        return np.where(t < 0, early, found)
 
 
 @dataclass(frozen=True)
@@ -186,10 +158,10 @@ class LineTrials(Trials):
         scene: Any = self.at(scaled)[0]
         return recorded(scene, scene.run.get("nodes", NODES), estimate=True)
 
-    def coarser(self, solution: Any) -> Any:
-        """Return the run on half the nodes; None of one that was interrupted."""
-        run = solution.run
-        return None if run.companion is None else RecordedRun(solution.scene, run.coarser)
+    def finer(self, solution: Any) -> Any:
+        """Return the run on twice the nodes."""
+        scene = solution.scene
+        return recorded(scene, 2 * scene.run.get("nodes", NODES), estimate=False)
 
     def passage(self, solution: Any, x: Array) -> tuple[Array, Array]:
         """Return slip and shear traction of the nodes nearest to x (k,) in all frames, (m, k)."""
@@ -223,7 +195,7 @@ def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
         for key, value in scene.run.items()
         if key not in ("nodes", "rtol", "every", "frames", "times")
     }
-    # Between these times slip is cubic, and all else linear.
+    # Between these times all is linear.
     done = march(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
     return RecordedRun(scene, done)
 

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.trials import FINER_SAFETY, Trials
 from semianalytic.inversion.unknowns import Setup
-from semianalytic.results.reading import SAMPLED_SAFETY, Measured
+from semianalytic.results.reading import Measured
 from semianalytic.scene.laws.sampling import sampled
 
 PLACES = 5
@@ -73,12 +73,12 @@ def quoted(trials: Trials, answer: Any, setup: Setup, deviations: Callable[..., 
     x = x[answer.scene.contact.touches(x)]
     values = _numbers(trials, answer, x)
     errors = deviations(trials.slopes(answer, setup, lambda near: _numbers(trials, near, x)))
-    coarse = trials.coarser(answer)
-    if coarse is not None:
-        apart = np.abs(_numbers(trials, coarse, x) - values).reshape(-1, len(x))
+    finer = trials.finer(answer)
+    if finer is not None:
+        apart = np.abs(_numbers(trials, finer, x) - values).reshape(-1, len(x))
         # at one place the two grids may agree by chance
         largest = np.fmax.reduce(apart, axis=1, initial=0.0)
-        errors = np.hypot(errors, SAMPLED_SAFETY * np.repeat(largest, len(x)))
+        errors = np.hypot(errors, FINER_SAFETY * np.repeat(largest, len(x)))
     # what a neighbouring solution lacks may be anywhere
     errors[np.isnan(errors) & np.isfinite(values)] = np.inf
     rows = zip(values.reshape(-1, len(x)), errors.reshape(-1, len(x)), strict=True)

@@ -34,6 +34,8 @@ from semianalytic.selfsimilar.solver import solve
 if TYPE_CHECKING:
     from semianalytic.sweeps.plane import Plane
 
+FINER_SAFETY = 2.0
+"""Error of a march over its difference from twice the nodes, at first order."""
 PASSAGE = 2001
 """Times at which the passage of a rupture is read."""
 
@@ -382,8 +384,8 @@ class Trials:
         t = np.linspace(0.0, float(self.samples.t.max()), PASSAGE)[1:, None]
         return solution.slip(x, t), np.nan_to_num(solution.shear_traction(x, t))
 
-    def coarser(self, solution: Any) -> Any:
-        """Return the solution on half the nodes; None for exact ones, which have no grid."""
+    def finer(self, solution: Any) -> Any:
+        """Return the solution on twice the nodes; None for exact ones, which have no grid."""
         return None
 
     def difference_error(self, scaled: Array) -> float:
@@ -412,20 +414,14 @@ class Trials:
         """Return the solution of the result; errors are those of `solve`."""
         return solve(self.at(scaled)[0], rtol=self.rtol)
 
-    def grid_error(self, scaled: Array, fine: Any) -> float:
-        """Return by how much a grid changes records, over their noise (root mean square).
-
-        It is `ERROR_SAFETY`, that of the engine's own estimates, times the difference from half the
-        nodes.
-        """
-        setup, coarse = self.at(scaled)[1], self.coarser(fine)
-        if coarse is None:
-            return 0.0
-        finer, other = (self.samples.of(run, setup) for run in (fine, coarse))
-        off = self.samples.gain(setup) * (finer - other) / self.samples.noise
-        from semianalytic.engine.convergence import ERROR_SAFETY  # an exact fit needs no march
-
-        return ERROR_SAFETY * float(np.sqrt(np.mean(off**2)))
+    def grid_error(self, scaled: Array, solution: Any) -> Array:
+        """Return the error (n,) that the grid of a solution makes in misfits; 0 of exact ones."""
+        setup, finer, error = self.at(scaled)[1], self.finer(solution), np.zeros(self.rows)
+        if finer is not None:
+            here, there = (self.samples.of(run, setup) for run in (solution, finer))
+            apart = self.samples.gain(setup) * (there - here) / self.samples.noise
+            error[: len(apart)] = FINER_SAFETY * apart
+        return error
 
 
 @lru_cache(maxsize=2)

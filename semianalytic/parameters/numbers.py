@@ -100,7 +100,7 @@ def numbers_of(scene: Any) -> dict[str, Number]:
     _add_numbers(of_law, "", law, ("law",), PARAMETERS)
     if {"static", "dynamic"} <= of_law.keys():
         _add_field(of_law, "reduction", "1", reduction_of(law), ("law", "reduction"))
-    # scenes beside a slot know no delays, and name the cohesion of a law that has one
+    # scenes next to a slot know no delays, and name the cohesion of a law that has one
     for name, number in of_law.items():
         if name.removesuffix("_factor") == own or (
             not scene.on_line

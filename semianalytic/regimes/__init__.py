@@ -14,7 +14,7 @@ Thresholds are values of the friction coefficient chi, which is dimensionless in
 - `stuck_threshold`: above both the interface is fully stuck (remote);
 - `gap_threshold`: below it the stick gap at c_R is narrower than double precision resolves;
 - `viscous_closing`: below it slip covers c_R under viscous friction, `closing_limit` where that is
-  strong, and for no viscosity below `closing_poisson_ratio`; `viscous_nucleation` (preload);
+  strong, and for no viscosity below `closing_poisson_ratio`;
 - `reverse_threshold`: below it some of the interface slips backward (preload),
   `log_narrow_reverse_threshold` in closed form for narrow strips;
   `log_frictionless_half_width` is how wide they are at chi = 0.
@@ -33,6 +33,8 @@ from semianalytic.regimes.thresholds import (
     Loading,
     OneZone,
     RayleighLogarithm,
+    closing_limit,
+    closing_poisson_ratio,
     crossing_poisson_ratio,
     edge_threshold,
     edge_threshold_alone,
@@ -44,12 +46,7 @@ from semianalytic.regimes.thresholds import (
     past_rayleigh,
     rayleigh_logarithm,
     scene_of,
-)
-from semianalytic.regimes.viscous import (
-    closing_limit,
-    closing_poisson_ratio,
     viscous_closing,
-    viscous_nucleation,
 )
 from semianalytic.scene.arguments import checking_functions
 
@@ -77,7 +74,6 @@ __all__ = [
     "scene_of",
     "stuck_threshold",
     "viscous_closing",
-    "viscous_nucleation",
 ]
 checking_functions(globals())
 del checking_functions

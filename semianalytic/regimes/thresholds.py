@@ -47,6 +47,8 @@ RULE = rule_for(1e-12)
 """Rule of all thresholds: the traction at a front is right to 40 times its tolerance at worst."""
 _PAST_FRONTS = (-15.0, 3.0)
 """Unknowns of `past_rayleigh` for fronts from close to c_l to close to c_t."""
+_VISCOUS_FRONTS = (-25.0, 25.0)
+"""The same, from c_l to c_t, under viscous friction."""
 _BESIDE = 1e-6
 """Distance from c at which the logarithm is read: what is left of V is O(1e-12)."""
 
@@ -195,17 +197,20 @@ def nucleation_alone(loading: Loading, poisson_ratio: float, viscosity: float = 
     return zone(brentq(lambda z: _front_excess(zone(z)), *SLOW_FRONTS, xtol=1e-12))
 
 
-def nucleation(loading: Loading, poisson_ratio: float) -> float:
+def nucleation(loading: Loading, poisson_ratio: float, viscosity: float = 0.0) -> float:
     """Return the friction below which the interface slips at the shear front.
+
+    The viscosity is in units of rho c_t / 2, the traction of a plane shear wave per relative slip
+    rate.
 
     The traction ahead of a slow zone peaks exactly at the shear front, so this is where that
     peak meets the bound; where the front breaks first, it is the peak of the stuck interface.
     """
-    if loading == "remote":
+    if loading == "remote" and not viscosity:
         front = front_threshold_stuck(poisson_ratio)
         if front >= edge_threshold_alone(poisson_ratio):
             return front
-    return nucleation_alone(loading, poisson_ratio).chi
+    return nucleation_alone(loading, poisson_ratio, viscosity).chi
 
 
 def edge_threshold(poisson_ratio: float) -> float:
@@ -275,3 +280,41 @@ def rooted(residual: Callable[[Array], Array], start: Sequence[float]) -> Array:
     if not np.abs(result.fun).max() < 1e-8:
         raise ComputationError(f"a regime boundary was not found: {result.message}")
     return result.x
+
+
+def viscous_closing(poisson_ratio: float, viscosity: float) -> float | None:
+    """Return the friction f P_b / Q_0 below which one zone covers c_R under a step of shear.
+
+    With a resistance eta the slope of slip rate at c_R is given by the pressure, which is least
+    there: V' = 0, and V is least at c_R in a zone that covers it.  The gap closes where that is 0.
+    There is no such friction without viscosity, where a small viscosity leaves a gap however low
+    friction is, or, for any viscosity, where the stuck traction at c_R opposes the load.  As
+    viscosity grows the friction tends to that traction, q*(c).
+
+    Returns
+    -------
+    float or None
+        None if the gap never closes.
+    """
+    front_c = rayleigh_factors(poisson_ratio).front_c
+
+    def least_rate(unknown: float) -> float:
+        zone = one_zone("preload", poisson_ratio, past_rayleigh(poisson_ratio, unknown), viscosity)
+        return float(zone.profile.slip_rate_at(front_c)[0])
+
+    if not viscosity or least_rate(_VISCOUS_FRONTS[0]) <= 0:
+        return None
+    unknown = brentq(least_rate, *_VISCOUS_FRONTS, xtol=1e-12)
+    front = past_rayleigh(poisson_ratio, float(unknown))
+    return one_zone("preload", poisson_ratio, front, viscosity).chi
+
+
+def closing_limit(poisson_ratio: float) -> float:
+    """Return q*(c), the stuck traction at c_R over the step, to which `viscous_closing` tends."""
+    factors = rayleigh_factors(poisson_ratio)
+    return float(stuck_traction(poisson_ratio, "II")(np.array(factors.c)))
+
+
+def closing_poisson_ratio() -> float:
+    """Return the Poisson ratio below which no viscosity closes the gap, q*(c) = 0."""
+    return float(brentq(closing_limit, -0.5, 0.0, xtol=1e-12))

@@ -240,7 +240,7 @@ def try_lock(descriptor: int) -> bool:
 
 
 def _new_part(place: Path, suffix: str) -> tuple[Path, int]:
-    """Make an empty, locked file beside `place`; return its path and descriptor."""
+    """Make an empty, locked file next to `place`; return its path and descriptor."""
     while True:
         part = place.with_name(f".{_stem(place)}.{secrets.token_hex(6)}.part{suffix}")
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)

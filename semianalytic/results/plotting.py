@@ -263,7 +263,7 @@ def draw_profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:
     rate = answer.slip_rate(x, end)
     finite = np.abs(rate[np.isfinite(rate)])
     upper.plot(x * length[0], np.where(np.isfinite(rate), rate, np.nan), label="slip rate")
-    # beside points where it is infinite the curve leaves the figure
+    # next to points where it is infinite the curve leaves the figure
     tallest = max(_TALLEST * np.quantile(finite, 0.99), finite.min())
     low, high = (
         float(np.clip(value, -tallest, tallest)) for value in (np.nanmin(rate), np.nanmax(rate))

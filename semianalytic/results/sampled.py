@@ -82,7 +82,7 @@ class Totals:
 class SampledAnswer(Gridded):
     """An `Answer` that interpolates between samples, linearly in position and time.
 
-    Fields are known at the stored levels only.  Between the end of a contact and the node beside it
+    Fields are known at the stored levels only.  Between the end of a contact and the next node
     the fields are those of that node.
 
     Attributes

@@ -16,6 +16,7 @@ from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number
+from semianalytic.selfsimilar.zones.motion import is_open
 
 if TYPE_CHECKING:
     from semianalytic.scene.scene import Material
@@ -49,6 +50,7 @@ class SelfSimilarAnswer(Gridded):
         slip: Any
         slip_rate: Any
         shear_traction: Any
+        pressure: Any
         scene: Any
 
     @property
@@ -108,6 +110,13 @@ class SelfSimilarAnswer(Gridded):
             power = self.shear_traction(x[..., None], at) * self.slip_rate(x[..., None], at)
             total = total + np.where(length > 0, length * (power @ rule), 0.0)
         return np.asarray(total)
+
+    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Return strength less shear traction [stress] where it sticks, 0 where it slips or is
+        open; raises like `slip_rate`."""
+        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
+        margin = strength - np.abs(self.shear_traction(x, t))
+        return np.where(is_open(self.openings, x, t), 0.0, margin)
 
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
         """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.

@@ -23,7 +23,6 @@ from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.shown import slips_said, zones_table
 from semianalytic.selfsimilar.statistics import Statistics
 from semianalytic.selfsimilar.totals import ContactTotals
@@ -45,7 +44,7 @@ if TYPE_CHECKING:  # imported where they are asked for, for a quick import
 
 @asked_in_units
 @dataclass(frozen=True, eq=False)
-class Solution(SelfSimilarAnswer, AnswerInBodies):
+class Solution(ContactTotals, AnswerInBodies):
     """Self-similar slip on the interface of a scene, as returned by `solve`.
 
     All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
@@ -202,12 +201,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         normal = self.normal
         return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
-    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return strength less shear traction, f p - |tau| [stress], where it sticks; 0 where it
-        slips."""
-        strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
-        return strength - np.abs(self.shear_traction(x, t))
-
     @cached_property
     def edge_slip_rate(self) -> float:
         """Relative slip rate at the contact edge, x -> 0+ [length / time]; 0 if it sticks."""
@@ -234,62 +227,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.coefficient * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
-
-    def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return the energy turned to heat at x until t, per area [stress length]; raises like
-        `slip_rate`."""
-        return self._totals.work_density(x, t)
-
-    def frictional_power(
-        self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
-    ) -> Array:
-        """Return the power turned to heat on the contact per unit depth at times t [stress length^2
-        / time].
-
-        It covers positions between inner and outer [length], which broadcast with t. Over the whole
-        contact it grows linearly in time; it is infinite if the interface slips ahead of all waves.
-
-        No other power leaves the solids through the contact. The edges of slip zones take none:
-        slip rate vanishes there at least like |x - edge|^(1/2) (between c_t and c_l like |x -
-        edge|^(1 - phi/pi)) under a finite traction. A stuck contact edge is singular, but it does
-        not move. The rest of the work of the load is radiated; it is infinite, because the slot is.
-
-        Raises
-        ------
-        SceneError
-            If inner is negative, infinite or above outer, or t is not finite.
-        """
-        return self._totals.power(t, inner, outer)
-
-    def frictional_work(
-        self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
-    ) -> Array:
-        """Return the energy turned to heat on the contact until t, per unit depth [stress
-        length^2].
-
-        It is the time integral of `frictional_power`, with the same parameters and errors.
-        """
-        return self._totals.work(t, inner, outer)
-
-    def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Return the integral over the contact of `path`, the |slip| accumulated until t
-        [length^2].
-
-        It grows like t^2, and is infinite if the interface slips ahead of all waves.
-
-        Raises
-        ------
-        SceneError
-            If a time is not finite.
-        """
-        return self._totals.accumulated_slip(t)
-
-    def max_slip(self, t: ArrayLike) -> Array:
-        """Return the largest |slip| on the contact, or its limit at the edge, at times t [length].
-
-        It grows linearly in time; raises like `accumulated_slip`.
-        """
-        return self._totals.max_slip(t)
 
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
         """Return the first time at which the sides move along one another, or come apart, at x
@@ -353,12 +290,6 @@ class Solution(SelfSimilarAnswer, AnswerInBodies):
             "gap": gaps * time,
         }
         return self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
-
-    @cached_property
-    def _totals(self) -> ContactTotals:
-        """Power, work and slip of the whole contact."""
-        scene, rate, stress = self.scene, self._rate_unit, self.stress_unit
-        return ContactTotals(scene, self.profile, self._motion, rate, stress)
 
     @cached_property
     def _surroundings(self) -> Surroundings:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 class Statistics:
     """Numbers of iterations, unknowns and nodes of a solution, and the time it took.
 
+    Of two different bodies the equations of the densities are solved, which have a residual.
+
     Attributes
     ----------
-    pivots : int
-        Pivots of the complementarity problem on the grid.
     newton_steps : int
         Newton and Broyden steps for the zone edges.
     zone_sets : int
@@ -20,9 +20,13 @@ class Statistics:
     unknowns : int
         Number of zone edges.
     nodes : int
-        Number of nodes of all panels.
+        Number of nodes of all panels, of two bodies that of the unknowns of densities.
     seconds : dict
         Time of each stage [s], by its name.
+    pivots : int
+        Pivots of the complementarity problem on the grid of one body.
+    residual, smallest_singular_value : float
+        Residual of the equations of two bodies, and their smallest singular value; 0 and 1 of one.
 
     Examples
     --------
@@ -35,9 +39,11 @@ class Statistics:
     ['zones', 'edges', 'check']
     """
 
-    pivots: int
     newton_steps: int
     zone_sets: int
     unknowns: int
     nodes: int
     seconds: dict[str, float]
+    pivots: int = 0
+    residual: float = 0.0
+    smallest_singular_value: float = 1.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.selfsimilar.zones.coulomb import admissible
-from semianalytic.selfsimilar.zones.edges import Edges, broyden, moves
+from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import difference, loose_tolerance, missed_slip
 from semianalytic.selfsimilar.zones.tuning import (
     COARSER_COMPANION,
@@ -22,20 +22,6 @@ from semianalytic.selfsimilar.zones.tuning import (
     SAFETY,
 )
 from semianalytic.sweeps import tuning
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """The predicted zones at one friction.
-
-    It holds the unknowns, the inverse Jacobian from neighbours, a bound of the unknowns' error, and
-    the tolerance of the rule that is probably needed.
-    """
-
-    unknowns: Array
-    inverse: Array
-    doubt: float
-    tolerance: float
 
 
 @dataclass(frozen=True)
@@ -99,7 +85,7 @@ def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Arra
     return inverse, values[..., 0]
 
 
-def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Array, int]:
+def newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Array, int]:
     """Return unknowns (e, k) on a rule, inverse Jacobians, last moves (inf if they fail), and
     steps.
     """
@@ -132,48 +118,6 @@ def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Arr
         last[waiting] = np.where(admitted & (largest < tuning.NEAR), largest, np.inf)
         waiting = waiting[admitted & (largest >= tuning.NEAR)]
     return unknowns, inverse, last, step
-
-
-def approached(
-    sets: ZoneSets, start: Array, neighbours: Array, rule: Rule
-) -> tuple[Array, Array, Array, int]:
-    """Take Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
-
-    Return unknowns (e, k), or the start where steps failed; inverse Jacobians; contractions (k,),
-    infinite where they failed; and the steps taken.
-    """
-    count = start.shape[1]
-    unknowns, inverse = start.copy(), neighbours.copy()
-    sound = sets.edges.admits(unknowns) & np.isfinite(neighbours).all(axis=(1, 2))
-    waiting = np.flatnonzero(sound)
-    left, previous = np.full(count, np.inf), np.full(count, 1 / tuning.SLOW)
-    # On the first step nothing is known yet by which the inverse could be updated.
-    move = before = np.zeros((len(start), 0))
-    step = 0
-    while len(waiting) and step < 4:  # steps with neighbours' Jacobians
-        going = sets.chosen(waiting)
-        values = going.mismatch(unknowns[:, waiting], rule)
-        if step:
-            inverse[waiting] = broyden(inverse[waiting], move, values - before)
-        step += 1
-        move = -moves(inverse[waiting], values)
-        largest = np.abs(move).max(axis=0)
-        share = largest / previous[waiting]
-        # A move that is not shorter than the one before is not tried: it would leave the range
-        # where neighbours' Jacobians hold.
-        trial = unknowns[:, waiting] + np.where(share < 1, move, 0)
-        kept = (share < tuning.SLOW) & going.edges.admits(trial)
-        waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
-        unknowns[:, waiting] += move
-        previous[waiting] = largest[kept]
-        # The next move is expected to be shorter by `share` again; the first one has no
-        # predecessor.
-        arrived = largest[kept] * share < tuning.NEAR if step > 1 else largest[kept] < tuning.NEAR
-        left[waiting[arrived]] = share[arrived]
-        waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
-    failed = ~(left < np.inf)
-    unknowns[:, failed] = start[:, failed]
-    return unknowns, inverse, left, step
 
 
 @dataclass(frozen=True)
@@ -247,15 +191,24 @@ def _estimates(
     return difference(edges, zones.unknowns, moved, fields, coarse) + others
 
 
-def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> ContinuedZones:
-    """Compute edges at several frictions from predictions, with error estimates and checks.
+def continued(
+    sets: ZoneSets, start: Array, inverse: Array, doubt: Array, tolerances: Array, rtol: float
+) -> ContinuedZones:
+    """Compute edges from predictions, with error estimates and checks.
 
     Edges whose error estimate exceeds rtol are computed on finer rules.
+
+    Parameters
+    ----------
+    start : (e, k) array
+        Predicted unknowns.
+    inverse : (k, e, e) array
+        Inverse Jacobians from neighbours.
+    doubt, tolerances : (k,) arrays
+        Bounds of the errors of the unknowns, and tolerances of the rules that are probably needed.
     """
-    count, size = len(predictions), len(sets.edges.segments)
-    every = ([getattr(start, field.name) for start in predictions] for field in fields(Prediction))
-    unknowns, inverse, doubt, tolerances = map(np.array, every)
-    unknowns = unknowns.T.reshape(size, count)
+    unknowns, tolerances = start.copy(), tolerances.copy()
+    size, count = unknowns.shape
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
     # Share of itself that a chord step leaves, by the doubt of its prediction.
@@ -265,7 +218,7 @@ def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> Con
     if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
         loose = loose_tolerance(rtol)
         coarse = rule_for(max(loose, tuning.COARSEST))
-        unknowns, inverse, last, steps = _newton(sets, unknowns, coarse)
+        unknowns, inverse, last, steps = newton(sets, unknowns, coarse)
         contraction = np.maximum(2 * last, tuning.LEAST_CONTRACTION)
         kept = np.flatnonzero(last < np.inf)
         # Rules so far apart need a chord step on one between them.

@@ -236,7 +236,8 @@ class Plane:
         for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, True):
             some = every[batch]
             start, sets = perf_counter(), self._sets(pattern, some.points)
-            done = continued(sets, some.each(), self.rtol)
+            start_from = some.unknowns.T, some.inverse, some.doubt
+            done = continued(sets, *start_from, some.tolerance, self.rtol)
             sound = np.flatnonzero(done.sound)
             if not len(sound):
                 continue
@@ -291,7 +292,7 @@ class Plane:
         unknowns = np.array([zone.unknowns for zone in found]).reshape(count, size).T
         every = self._edges(found[0].pattern, points).zones(unknowns)
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
-        statistics = Statistics(0, steps, 1, size, nodes, stages)
+        statistics = Statistics(steps, 1, size, nodes, stages)
         for j, (i, followed) in enumerate(zip(points.tolist(), found, strict=True)):
             scene = self.scenes[i]
             self.zones[i], self.origin[i] = followed, origin

@@ -21,7 +21,7 @@ from semianalytic.selfsimilar.zones.edges import moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, missed_slip, shift_error
 from semianalytic.selfsimilar.zones.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import Prediction, ZoneSets, approached
+from semianalytic.sweeps.batches import ZoneSets, newton
 from semianalytic.sweeps.neighbours import Neighbourhood, Stencils
 
 Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
@@ -77,11 +77,6 @@ class Predictions:
     def __getitem__(self, which: np.ndarray) -> Predictions:
         """Return some of the predictions."""
         return Predictions(*(getattr(self, field.name)[which] for field in fields(self)))
-
-    def each(self) -> list[Prediction]:
-        """Return the predictions for correction on the fine rule."""
-        parts = zip(self.unknowns, self.inverse, self.doubt, self.tolerance, strict=True)
-        return [Prediction(values, two, float(off), rule) for values, two, off, rule in parts]
 
 
 def predicted(
@@ -198,11 +193,10 @@ def corrected(
     sound = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     if len(unknowns) and len(far):
-        some = sets.chosen(far), unknowns[:, far], inverse[far]
         coarse = rule_for(max(loosest, tuning.COARSEST))
-        unknowns[:, far], better, left, _ = approached(*some, coarse)
-        sound[far] = left < np.inf
-        inverse[far[left < np.inf]] = better[left < np.inf]
+        moved, better, left, _ = newton(sets.chosen(far), unknowns[:, far], coarse)
+        sound[far] = near = left < np.inf
+        unknowns[:, far[near]], inverse[far[near]] = moved[:, near], better[near]
     nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
     # The least tolerance of the batch serves all of its points, which share panels.
     fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
@@ -223,7 +217,7 @@ def corrected(
         rule = rule_for(float(predictions.tolerance[asked].min()))
         profile = Profile(sets.chosen(asked).fields(unknowns[:, asked], rule))
         lawful[asked] = admissible(profile, min(rtol, tuning.LOOSEST_LAW))
-        # Beside other zones a small one may lie between the nodes; where neighbours all agree,
+        # Next to other zones a small one may lie between the nodes; where neighbours all agree,
         # their own estimates hold it.
         estimate[asked] += missed_slip(profile)
         sound &= estimate <= rtol

@@ -220,7 +220,7 @@ def sweep(
     -------
     Sweep
         Solutions that are "from scratch" or "computed" have passed the same checks as that of
-        `solve`.  Those "interpolated" lie between such with the same zones.  Their edges fulfil the
+        `solve`.  Those "interpolated" lie between these.  Their edges fulfil the
         edge conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
         inequalities are checked there to 1e-3, near other zones to `rtol` on the fine rule.
 

@@ -112,7 +112,7 @@ class Drive:
         """+1 where the upper side slips towards +x, -1 towards -x; 0 where the interface opens."""
         if self.opens:
             return 0
-        # Beside a point force its own shear is infinite, and sets the sense whatever the base is.
+        # Next to a point force its own shear is infinite, and sets the sense whatever the base is.
         share = 0.0 if isinstance(self.load, PointForce) else self.base.shear
         return 1 if share + self.load.shear >= 0 else -1
 

@@ -103,7 +103,7 @@ def _error(found: Spreading, missing: float) -> float:
     other = Spreading(found.factors, found.patch, *nearer)
     share = (nearer[0] - found.edge) / found.edge
     slope = abs(other.missing() - found.missing()) / share
-    # Beside a patch that is nearly as fast as the edge, fields change with their distance.
+    # Next to a patch that is nearly as fast as the edge, fields change with their distance.
     distance = 1.0 if not found.patch else found.lead / (found.lead + found.edge)
     # Rounding that both evaluations share.
     return float(residual / (slope * distance) + 1e-14 / distance)

@@ -1,4 +1,4 @@
-"""``slipfront solve`` of scenes that are marched, beside a slot or along a line."""
+"""``slipfront solve`` of scenes that are marched, next to a slot or along a line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 
 from compare.comparison.documents import march_document
-from compare.output.places import check_file, save_somewhere
+from compare.output.places import save_somewhere
 from semianalytic import Marched, Scene, solve
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError
@@ -55,8 +55,6 @@ def march_command(
     netcdf = save is not None and save.suffix == ".nc"
     if save is not None or earlier is not None:
         require(*(("a NetCDF file", *XARRAY) if netcdf else ("a saved march", *HDF5)))
-    if save is not None:
-        check_file(save)
     from compare.output.progress import progress_bar
 
     notes = Console(stderr=True)

@@ -256,7 +256,7 @@ def with_error_bars(
     """Repeat a stored simulation on coarser meshes and print its error estimates.
 
     They are kept with it, if at all, once they are done: an interruption leaves it as it is.  With
-    snapshots, and if they are kept, their last frames are beside those of the simulation.
+    snapshots, and if they are kept, their last frames are next to those of the simulation.
     """
     from fem import with_companions
 

@@ -19,7 +19,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import HDF5, PLOT, require
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.loading import HalfLine
-from semianalytic.scene.scene import Scene
 from slipfront.cli import options, terminal
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.scenes.completion import figure_names
@@ -90,12 +89,19 @@ def solve_command(
     march is unresolved or misses --rtol; the best answer is printed all the same.
     """
     label = scene_label(scene_name)
-    problem = override_scene(_given(scene_name), **overrides, **lower)
+    if Path(scene_name).suffix == ".h5":
+        instead = "a TOML file, a solution that was saved, or a march to --go-on"
+        problem = read_answer(scene_name, SOLVED, SavedScene, instead, "solve it again").scene
+    else:
+        problem = find(scene_name)
+    problem = override_scene(problem, **overrides, **lower)
     if isinstance(problem.load, HalfLine):
         from semianalytic.whole_line.drive import Drive, slot_scene
 
         problem = slot_scene(Drive(problem))
-    name = chosen(problem, method).name
+    name, save = chosen(problem, method).name, march_options.get("save")
+    if save is not None:
+        check_file(save)
     asked_for = points_of(problem, x, t)
     end_time = options.asked(problem, "end_time", end_time, "time")
     times = [*(asked_for.t if asked_for else ()), *([] if end_time is None else [end_time])]
@@ -106,13 +112,11 @@ def solve_command(
         shown: dict[str, Any] = {"as_json": as_json, "draw": draw, "plot": plot}
         march_command(problem, label, end_time, march_options, asked_for, quiet=quiet, **shown)
         return
-    save = march_options.get("save")
     check_no_march_options({k: v for k, v in march_options.items() if k != "save"}, problem)
     if save is not None:
         if save.suffix == ".nc":
             raise SceneError("--save of an exact answer writes HDF5; give a name that ends in .h5.")
         require("a saved answer", *HDF5)
-        check_file(save)
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(problem, method="self-similar")
@@ -129,14 +133,6 @@ def solve_command(
     files = {"Saved": save, "Drawn": plot}
     show_answer(solution, document, tables(), asked_for, files, draw, as_json=as_json)
     check_converged(solution, label)
-
-
-def _given(source: str) -> Scene:
-    """Return the scene of a name or a file, or of an exact answer that --save stored."""
-    if Path(source).suffix != ".h5":
-        return find(source)
-    instead = "a TOML file, a solution that was saved, or a march to --go-on"
-    return read_answer(source, SOLVED, SavedScene, instead, "solve it again").scene
 
 
 def _drawing(plot: Path | None, figure: str | None, t: float | None) -> Draw | None:

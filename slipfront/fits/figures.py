@@ -37,12 +37,8 @@ STRONG = 0.9
 """Correlation from which on its number is written large."""
 _UNITS = {**SHOWN, "length / time": ((1.0, "m/s"), (1e3, "mm/s")), "strain": ((1e6, "µstrain"),)}
 """Units of figures of SI scenes: the largest of which there are two or more is drawn."""
-_FIELDS = {
-    "v": "velocity $v",
-    "u": "displacement $u",
-    "s": r"stress $\sigma",
-    "e": r"strain $\epsilon",
-}
+_FIELDS = {"v": "velocity v", "u": "displacement u", "s": r"stress \sigma", "e": r"strain \epsilon"}
+_Ends = tuple[float, float]
 _Unit = tuple[float, str]
 """Factor and name of a unit."""
 
@@ -103,29 +99,28 @@ def _panels(fit: Fit) -> Iterator[_Panel]:
         if len(numbers) > max(len(fit.gauges[i].t) for i in numbers)
     }
     alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
-    for key, numbers in list(lines.items())[:PANELS]:
-        place = "" if key[1] is None else f" at y = {_written(fit, 'length', key[1])}"
+    for numbers in list(lines.values())[:PANELS]:
         curves = list(_over_place(fit, numbers, residuals, bands))
-        yield _panel(fit, fit.gauges[numbers[0]], place, "x", curves)
+        yield _panel(fit, fit.gauges[numbers[0]], "x", curves)
     room = max(PANELS - len(lines), 1)
     for i in alone if len(alone) <= room else [alone[k] for k in _even(len(alone), room)]:
         gauge = fit.gauges[i]
         fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
         residual = residuals[i] / gauge.noise
         curve = _Curve(gauge.t, gauge.values, residual, bands[i], fine, fit.seen(gauge, fine), "")
-        place = f" at x = {_written(fit, 'length', gauge.x)}"
-        place += "" if gauge.y is None else f", y = {_written(fit, 'length', gauge.y)}"
-        yield _panel(fit, gauge, place, "t", [curve])
+        yield _panel(fit, gauge, "t", [curve])
 
 
-def _panel(fit: Fit, gauge: Gauge, place: str, along: str, curves: Sequence[_Curve]) -> _Panel:
-    """Return a panel whose title names the quantity of a gauge and its unit."""
+def _panel(fit: Fit, gauge: Gauge, along: str, curves: Sequence[_Curve]) -> _Panel:
+    """Return a panel whose title names the quantity of a gauge, its place and its unit."""
+    at = [("x", gauge.x)] * (along == "t") + ([] if gauge.y is None else [("y", gauge.y)])
+    place = ", ".join(f"{axis} = {_written(fit, 'length', value)}" for axis, value in at)
     known, name = QUANTITIES[gauge.quantity], gauge.quantity.replace("_", " ")
     if gauge.y is not None:
-        name = f"{_FIELDS[name[0]]}_{{{name[1:]}}}$"
+        name = "{} ${}_{{{}}}$".format(*_FIELDS[name[0]].split(), name[1:])
     most = max(float(np.abs(curve.recorded).max()) for curve in curves)
     of = _shown(fit, "strain" if known == "1" and fit.scene.units == SI else known, most)
-    return _Panel(f"{name}{place} [{of[1]}]", along, of, curves)
+    return _Panel(f"{name}{place and f' at {place}'} [{of[1]}]", along, of, curves)
 
 
 def _shown(fit: Fit, dimension: str, size: float) -> _Unit:
@@ -229,7 +224,7 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=style.SMALL)
 
 
-def _range(fit: Fit, number: int, error: float) -> tuple[float, float]:
+def _range(fit: Fit, number: int, error: float) -> _Ends:
     """Return the range of a parameter that a panel shows."""
     value = float(fit.values[number])
     below, above = np.maximum(np.abs(_ends(fit, number, error) - value), error)
@@ -242,9 +237,7 @@ def _ends(fit: Fit, number: int, error: float) -> Array:
     return np.where(np.isfinite(fit.interval[number]), fit.interval[number], around)
 
 
-def _draw_density(
-    panel: Axes, fit: Fit, number: int, limits: tuple[float, float], of: _Unit
-) -> None:
+def _draw_density(panel: Axes, fit: Fit, number: int, limits: _Ends, of: _Unit) -> None:
     error = float(fit.standard_errors[number])
     at = np.linspace(*limits, 300)
     if np.isfinite(error):
@@ -263,12 +256,7 @@ def _draw_density(
     panel.set_title(words, fontsize=style.SMALL)
 
 
-def _draw_pair(
-    panel: Axes,
-    fit: Fit,
-    pair: tuple[int, int],
-    limits: tuple[tuple[float, float], tuple[float, float]],
-) -> None:
+def _draw_pair(panel: Axes, fit: Fit, pair: Sequence[int], limits: Sequence[_Ends]) -> None:
     chosen = list(pair)
     part = fit.covariance[np.ix_(chosen, chosen)]
     if np.all(np.isfinite(part)):

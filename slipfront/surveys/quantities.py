@@ -1,4 +1,4 @@
-"""The variables of a survey: dimension, meaning, and dimensions beside those of the points."""
+"""The variables of a survey: dimension, meaning, and dimensions other than those of the points."""
 
 from __future__ import annotations
 

@@ -48,36 +48,32 @@ def survey(
     progress: Progress | None = None,
     **parameters: ArrayLike,
 ) -> Any:
-    """Solve a scene or two different bodies, or run an interface, at many values of its parameters.
+    """Solve a scene at many values of its parameters.
 
     Scenes that differ in friction and Poisson ratio are swept together.  Others are solved one by
-    one, or marched if they are not self-similar, like `solve` does.  Pairs of different bodies
-    are solved one by one, and interfaces are run one by one.
+    one, or marched if they are not self-similar, as `solve` does.
 
     Parameters
     ----------
     scene : Scene, str or path
-        Values that no parameter replaces are those of this scene or interface, or of that of
-        this name or file, as for `find`.  If a function of
-        an interface, or its law, was defined in a notebook or the running program, one process
-        does all.
+        The scene, or its name or file as for `find`, whose values the parameters replace.  If a
+        function or a law of it was defined in a notebook or the running program, one process
+        marches all points.
     together : bool
         Whether the parameters are lists of equal length that form one list of points, along the
         dimension "point"; otherwise they span a grid, one dimension each.
     rtol : float, optional
-        Requested relative accuracy; 1e-6 for solutions by default, for marches see `march`, for
-        interfaces `run`.
+        Requested relative accuracy, as for `solve`; 1e-6 for exact answers by default.
     x, t : arrays, optional
-        Positions (n,) [length] and times (m,) [time] at which fields are stored.  For interfaces,
+        Positions (n,) [length] and times (m,) [time] at which fields are stored.  On a line,
         onset and speed of the front are stored at positions x, with or without t.
     fields : sequence of str
         Fields to store there: slip, slip_rate, shear_traction, pressure, gap.
     end_time : float, optional
-        Time until which totals are taken, and marches and interfaces run [time]; by default that of
-        an interface's file, or the last of `t`, or the end time of `solve`.
+        End of totals and marches [time]; by default that of the scene's file, or the last of `t`,
+        or the end time of `solve`.
     nodes, length : optional
-        Number of nodes and length [length] of marches, see `solve`; nodes and period of
-        interfaces.
+        Number of nodes and length [length] of marches, see `solve`.
     path : path, optional
         NetCDF file to write, NAME.nc.  Until it is complete, finished chunks are kept in a hidden
         folder next to it, from which an interrupted survey resumes.
@@ -95,9 +91,9 @@ def survey(
         base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
         as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``; the lower
         body as lower_shear_modulus, lower_density, lower_poisson_ratio.  Units are those
-        of the scene.  Single numbers are the same at all points.  Those of interfaces go by their
-        places in a file, such as law_distance, load_shear, contact_end or pressure; a field that
-        varies is multiplied by a parameter such as pressure_factor (docs/engine.md).
+        of the scene.  Single numbers are the same at all points.  On a line, numbers have the names
+        of their places in a file, such as friction_law_distance or contact_end; a field that varies
+        is multiplied by a parameter such as base_pressure_factor (docs/engine.md).
 
     Returns
     -------

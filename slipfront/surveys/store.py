@@ -45,7 +45,7 @@ class Store:
 
 
 def store_folder(path: Path) -> Path:
-    """Return the folder beside the file of a survey that keeps its chunks until it is complete."""
+    """Return the folder next to the file of a survey that keeps its chunks until it is complete."""
     return path.with_name(f".{path.name}.survey")
 
 

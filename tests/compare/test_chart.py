@@ -163,7 +163,7 @@ def test_a_budget_leaves_out_finer_points_which_the_next_run_measures(few, tmp_p
     monkeypatch.setattr(points, "monotonic", now)
     whole = [("antiplane", *task) for task in problems[0].tasks]
     some = measure_all(tmp_path, problems, budget=3.0)
-    assert [one.key for one in some] == whole[:2]
+    assert [entry.key for entry in some] == whole[:2]
     assert not_measured(problems, some) == whole[2:]
     again = measure_all(tmp_path, problems)
     assert sorted(few.calls) == sorted(whole)
@@ -242,7 +242,7 @@ def test_a_point_is_measured_in_a_process_of_its_own():
     assert there["slip_rate"] == pytest.approx(here["slip_rate"])
     assert there["runs"] == 5
     with pytest.raises(ComputationError, match=r"exact solver on .* failed"):
-        run_point(replace(problem, source="nowhere"), "exact", 1e-4)
+        run_point(replace(problem, end_time="late"), "exact", 1e-4)
 
 
 @pytest.mark.slow

@@ -43,7 +43,7 @@ class Pair:
 
 
 def frame_pairs(fields: AnswerInBodies, frame: Frame, most: int) -> dict[str, Pair]:
-    """Return all components of a frame beside the prediction there, by name.
+    """Return all components of a frame with the prediction there, by name.
 
     Velocity is compared at so many nodes at most, over the whole mesh, displacement and stress at
     `SAMPLED` nodes and elements at most.  A mesh made for snapshots is so large that nothing comes

@@ -182,7 +182,7 @@ def patches() -> Iterator[Row]:
 
 
 def fronts() -> Iterator[Row]:
-    """Yield slip rate and traction under waves at an angle and moving loads beside a slot."""
+    """Yield slip rate and traction under waves at an angle and moving loads next to a slot."""
     for name, front, mode, at, length in (
         ("SV wave, -20 degrees", sf.IncidentWave("SV", -20.0, stress=0.3), "in-plane", 0.0, 12.0),
         ("SH wave, -40 degrees", sf.IncidentWave("SH", -40.0, stress=0.3), "antiplane", 0.0, 12.0),
@@ -240,7 +240,7 @@ def freund_slip(x: Array, speed: float, factors: RayleighFactors, mode: Mode) ->
 
 
 def cracks() -> Iterator[Row]:
-    """Yield slip of cracks of prescribed speed c_t / 2, on a whole line and beside a slot.
+    """Yield slip of cracks of prescribed speed c_t / 2, on a whole line and next to a slot.
 
     Kostrov's crack grows from a point, Freund's from the edge of a slot that is freed at t = 0.
     """
@@ -279,7 +279,7 @@ def statics() -> Iterator[Row]:
 
 
 def edges() -> Iterator[Row]:
-    """Yield the slip rate beside two edges until the wave of the other one arrives."""
+    """Yield the slip rate next to two edges until the wave of the other one arrives."""
     scene = sf.find("preloaded")
     answer = sf.solve(scene)
     fault = scene_along(
@@ -311,7 +311,7 @@ def beside_slot(name: str) -> tuple[sf.Scene, sf.Scene]:
 
 
 def openings() -> Iterator[Row]:
-    """Yield gap, pressure and slip rate of contacts that open beside a slot, against `solve`."""
+    """Yield gap, pressure and slip rate of contacts that open next to a slot, against `solve`."""
     for name in ("tap", "lift-off-shear"):
         scene, face = beside_slot(name)
         answer, sheared = sf.solve(scene), scene.superposition.taken_off.shear != 0

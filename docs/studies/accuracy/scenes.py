@@ -56,7 +56,7 @@ QUANTITIES = {
 """Rows of the judgement of each scene that docs/how_we_know.md shows."""
 
 TOTALS = ("slip", "accumulated |slip|", "frictional work", "shear traction", "pressure")
-"""Rows of the summary beside the slip rate."""
+"""Rows of the summary in addition to the slip rate."""
 
 FIGURES = {
     **dict.fromkeys(("remote-shock", "viscous", "antiplane", "lift-off-shear"), "slip_rate"),

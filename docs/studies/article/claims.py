@@ -104,7 +104,7 @@ def edge_sticks(cases: Cases) -> Verdicts:
         ),
         _judge(
             simulated < NOTICEABLE,
-            f"V = {simulated:.3f} V_0 beside the edge at chi = 1.2, {above:.1g} at chi = 2",
+            f"V = {simulated:.3f} V_0 next to the edge at chi = 1.2, {above:.1g} at chi = 2",
         ),
     )
 

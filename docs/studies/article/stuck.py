@@ -40,7 +40,7 @@ def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) ->
     if u <= a:
         return 0.0
     if abs(u - 1) < 1e-12:
-        u = 1.0  # no panel of rounding beside the root of dq*/dv
+        u = 1.0  # no panel of rounding next to the root of dq*/dv
     # Gauss points follow half a period of the wave, however many of them lie between the fronts.
     longest = 1 / (2 * wave.frequency * per)
     ends = [a, min(u, 1.0)]

@@ -4,7 +4,7 @@
 `mode1 NODES STEP`, built with UGUCA's library, sets a cut |x| < 0.5 between two like half-planes
 (mu = rho = 1, nu = 0.25, period 8) in its BimatInterface, whose BarrasLaw has the strength 1 beyond
 the cut and lets it fall to 0 over a gap of 0.2.  From t = 0 until 3 a tension of 0.5 pulls; fields
-are dumped 20 times, in folders mode1_NODES-DataFiles.  A folder `kernels` of UGUCA lies beside it.
+are dumped 20 times, in folders mode1_NODES-DataFiles.  A folder `kernels` of UGUCA lies next to it.
 It is no part of this package.
 """
 

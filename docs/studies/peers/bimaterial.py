@@ -36,7 +36,7 @@ PLACES = np.arange(-90.0, 90.5, 1.0)
 def their_input(folder: Path, count: int) -> str:
     """Return the input with `count` elements along the fault, and its bodies on either side."""
     text = plain_input(folder / "EXAMPLES" / "Bimaterial_fault")
-    rows = count // 8  # of each body, the two beside the fault with the example's damping
+    rows = count // 8  # of each body, the two next to the fault with the example's damping
     text = re.sub(r"nelem *= *\d+ *, *\d+", f"nelem={count},{2 * rows}", text)
     text = re.sub(r"ex= *1 *, *\d+", f"ex=1,{count}", text)
     begins, ends = (1, rows - 1, rows + 1, rows + 3), (rows - 2, rows, rows + 2, 2 * rows)

@@ -102,7 +102,7 @@ def their_input(folder: Path, problem: Problem, count: int) -> str:
 def their_run(
     program: Path, text: str, depth: bool = False, meshes: Iterable[Path] = ()
 ) -> tuple[Fields, float]:
-    """Run an input beside its meshes; return its fields and the seconds of the processor."""
+    """Run an input next to its meshes; return its fields and the seconds of the processor."""
     with tempfile.TemporaryDirectory() as scratch:
         here = Path(scratch)
         for mesh in meshes:

@@ -137,7 +137,7 @@ def viscosity_row(poisson_ratio: float, viscosity: float) -> Row:
     return {
         "poisson_ratio": poisson_ratio,
         "viscosity": viscosity,
-        "nucleation": regimes.viscous_nucleation(poisson_ratio, viscosity),
+        "nucleation": regimes.nucleation("preload", poisson_ratio, viscosity),
         "closing": number(regimes.viscous_closing(poisson_ratio, viscosity)),
     }
 

@@ -89,7 +89,7 @@ _MARCH = {
         named(NUMBER),
     ),
     "end_time": Key("time that was reached", NUMBER),
-    "nodes": Key("nodes of one period, or of the observed contact beside a slot", WHOLE),
+    "nodes": Key("nodes of one period, or of the observed contact next to a slot", WHOLE),
     "steps": Key("number of steps", WHOLE),
     "shortest_step": Key("shortest step", NUMBER),
     "longest_step": Key("longest step", NUMBER),

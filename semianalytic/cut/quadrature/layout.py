@@ -212,14 +212,9 @@ class Layout:
         }
         return _paired(count, weights)
 
-    @cached_property
-    def pairs_from_slip(self) -> Pairs:
-        """Pairs from the panels that slip to all others."""
-        return self.pairs_from(tuple(self.slip.tolist()))
-
-    def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
+    def pairs_from(self, sources: np.ndarray) -> Pairs:
         """Return the pairs from given panels to all others."""
-        return _pairs_from(len(self.sense), sources)
+        return _pairs_from(len(self.sense), tuple(sources.tolist()))
 
     @cached_property
     def regions(self) -> list[list[int]]:

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.engine.bodies.motion import Levels, Motion
-from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between
+from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between, steady
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.field.body import Quantity, checked_points
 from semianalytic.field.plane_wave import plane_wave
@@ -30,6 +30,7 @@ from semianalytic.scene.checks import finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
+from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ STEPS = 0.3, 0.8
 MOST_LEVELS = 1 << 25
 """Largest number of levels times nodes, of which the waves take 24 bytes each."""
 STICKS = 1e-3
-"""Part of the slip of a slot beside an edge up to which the contact there sticks."""
+"""Part of the slip of a slot next to an edge up to which the contact there sticks."""
 AT_ONCE = 128
 """Places along x whose histories are formed at once."""
 KEPT = 8
@@ -69,6 +70,8 @@ class MarchedBodies:
         Least distance from the interface at which stress is known [length].
     followed : float
         How far the contact is known [length].
+    earlier : Motion, optional
+        What moved before the motion, which is then the rate beyond its last one.
     """
 
     scene: Scene
@@ -80,6 +83,7 @@ class MarchedBodies:
     within: tuple[float, float] = (-math.inf, math.inf)
     nearest: float = 0.0
     followed: float = math.inf
+    earlier: Motion | None = None
 
     @property
     def length(self) -> float:
@@ -120,30 +124,32 @@ class MarchedBodies:
         x, y, t = checked_points(x, y, t)
         check_times(t, self.motion.t)
         self._check_reach(x, y, t)
-        rows = np.zeros((self._count(quantity), *x.shape))
+        rows = np.zeros((self._rows_of(quantity), *x.shape))
         begun = t > self.motion.t[0]
         if begun.any() and self.motion.slip.size:
             rows[:, begun] = self._moved(quantity, x[begun], y[begun], t[begun])
         for load in self.scene.loads:
             if isinstance(load, FrontLoad) and isinstance(load.front, IncidentWave):
-                if self.scene.lower_material is not None:
-                    raise SceneError(
-                        "the plane waves that an incident wave sends through two "
-                        "different bodies are not computed; simulate the scene."
-                    )
                 at = x - load.at, y, t
-                wave = plane_wave(load.front, self.scene.material, quantity, at, load.history)
+                wave = plane_wave(load.front, self._solids, quantity, at, load.history)
                 rows += wave[: len(rows)]
         return rows
 
-    def _count(self, quantity: Quantity) -> int:
+    def _rows_of(self, quantity: Quantity) -> int:
         stress, along = quantity == "stress", self.scene.antiplane
         return 2 + stress + along * (1 + stress)
 
     def _moved(self, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
         """Return the rows (n, p) of a quantity that motion of the faces makes, at points (p,)."""
+        rows, below = np.empty((self._rows_of(quantity), len(x))), np.signbit(y)
+        if self._count * self.motion.slip.shape[1] > MOST_LEVELS:
+            times = np.unique(t)
+            groups = np.split(times, np.flatnonzero(np.diff(times) > self._across) + 1)
+            for begin, end in ((float(group[0]), float(group[-1])) for group in groups):
+                here, window = (t >= begin) & (t <= end), self._window(begin, end)
+                rows[:, here] = window._moved(quantity, x[here], y[here], t[here])
+            return rows
         asked: Asked = "strain" if quantity == "stress" else quantity
-        rows, below = np.empty((self._count(quantity), len(x))), np.signbit(y)
         place = np.clip(x + self._displaced(x), *self.within)
         # Without opening the lower body is the mirror image of the upper one.
         alike = self.scene.lower_material is None and not self.motion.opening.size
@@ -151,7 +157,10 @@ class MarchedBodies:
         parts: Sequence[tuple[bool, Flags]] = [(False, ~below), (True, below)]
         for lower, here in [(False, np.ones_like(below))] if alike else parts:
             if here.any():
-                found = self._summed(lower, asked, place[here], np.abs(y[here]), t[here])
+                at = place[here], np.abs(y[here])
+                found = self._summed(lower, asked, *at, t[here])
+                if self.earlier is not None:
+                    found = found + self._carried_on(lower, asked, *at, t[here])
                 rows[:, here] = found[: len(rows)]
         # seen from its own face, what is odd in y changes its sign in the lower body
         rows[:, below] *= -flips if alike else flips
@@ -185,21 +194,68 @@ class MarchedBodies:
                 found[:, at[here]] = (record[:, columns, place] * weight).sum(axis=-1)
         return found
 
+    def _carried_on(self, lower: bool, asked: Asked, x: Array, depth: Array, t: Array) -> Array:
+        """Return the static field of what moved before, and goes on at its last rates."""
+        earlier = self.earlier
+        assert earlier is not None
+        motion = {"z" if self.scene.antiplane else "x": earlier.slip, "y": earlier.opening}
+        rates = {name: rows[-1] for name, rows in motion.items() if rows.shape[1]}
+        line, at = (asked, self._solids, lower, self.first, self.spacing), (x, depth, self._held)
+        going = steady(*line, rates, *at)
+        if asked == "velocity":
+            return going
+        moved = {name: np.diff(earlier.t) @ motion[name] for name in rates}
+        return steady(*line, moved, *at) + (t - earlier.t[-1]) * going
+
+    @cached_property
+    def _window(self) -> Callable[[float, float], MarchedBodies]:
+        """The bodies from a time before the first asked for, at which all is static."""
+        return lru_cache(maxsize=KEPT)(self._from_quiet)
+
+    def _from_quiet(self, begin: float, end: float) -> MarchedBodies:
+        most = self._step * (MOST_LEVELS // self.motion.slip.shape[1] - 1)
+        parts = self.motion.divided(begin, end, most, self._across)
+        if parts is None:
+            raise SceneError(
+                f"fields in the bodies: slip is never slow in the {most:.3g} before t = {end:.6g}, "
+                "and a longer time takes too much memory; end the march earlier, or take fewer "
+                "nodes."
+            )
+        return replace(self, motion=parts[1], earlier=parts[0])
+
+    @property
+    def _across(self) -> float:
+        """The time in which a shear wave runs along the line [time]."""
+        return self.length / self.scene.material.shear_speed
+
+    @cached_property
+    def _step(self) -> float:
+        """The spacing of the times of the transform [time]."""
+        speed = self.scene.material.shear_speed
+        least, most = (share * self.spacing / speed for share in STEPS)
+        # the shortest steps, but for those that a jump of a load or the end has cut
+        return float(np.clip(np.quantile(np.diff(self.motion.t), 0.1), least, most))
+
+    @property
+    def _count(self) -> int:
+        """The number of times of the transform."""
+        return math.ceil((self.motion.t[-1] - self.motion.t[0]) / self._step * (1 - 1e-9))
+
     @cached_property
     def _levels(self) -> Levels:
         """The times of the transform."""
-        t, speed = self.motion.t, self.scene.material.shear_speed
-        lengths = np.diff(t)
-        least, most = (share * self.spacing / speed for share in STEPS)
-        # the shortest steps, but for those that a jump of a load or the end has cut
-        step = float(np.clip(np.quantile(lengths, 0.1), least, most))
-        nodes, count = self.motion.slip.shape[1], math.ceil((t[-1] - t[0]) / step * (1 - 1e-9))
-        if count * nodes > MOST_LEVELS:
-            raise SceneError(
-                f"fields in the bodies: {count} times of {step:.3g} on {nodes} nodes are too many; "
-                "end the march earlier, or take fewer nodes."
-            )
-        return Levels(float(t[0]), step, max(count, 16))
+        return Levels(float(self.motion.t[0]), self._step, max(self._count, 16))
+
+    @property
+    def _solids(self) -> tuple[Material, ...]:
+        """The solid of both bodies, or both solids."""
+        scene = self.scene
+        return (scene.material,) if scene.lower_material is None else scene.bodies
+
+    @property
+    def _held(self) -> float:
+        """Wavenumber of the stiffness that the mean meets [1 / length]."""
+        return 0.0 if self.scene.held == math.inf else 2 * math.pi / self.scene.held
 
     @cached_property
     def _rates(self) -> dict[str, Array]:
@@ -226,19 +282,16 @@ class MarchedBodies:
     def _spectrum(self, lower: bool) -> Spectrum:
         """Return the waves that a face sends."""
         if lower not in self._spectra:
-            scene = self.scene
-            bodies = (scene.material,) if scene.lower_material is None else scene.bodies
-            held = 0.0 if scene.held == math.inf else 2 * math.pi / scene.held
             grid = self.first, self.spacing
             self._spectra[lower] = Spectrum.of(
-                self._levels, bodies, lower, *grid, self._rates, held, self.centre
+                self._levels, self._solids, lower, *grid, self._rates, self._held, self.centre
             )
         return self._spectra[lower]
 
     def _displaced(self, x: Array) -> Array:
         """Return how far from places x (p,) the grid has what belongs there [length].
 
-        Beside an edge of singular tractions it has its first node 0.310 h from there, not h / 2.
+        Next to an edge of singular tractions it has its first node 0.310 h from there, not h / 2.
         """
         if not self.edges:
             return np.zeros_like(x)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,10 @@ Single = NDArray[np.float32]
 
 MOST_VALUES = 1 << 24
 """Largest number of mean rates that a record keeps; they take 4 bytes each."""
+QUIET = 5e-3
+"""Change of rates, over the largest rate, up to which they are static."""
+ECHOES = 20
+"""Times of a shear wave along the line until waves of an event have died out, as in memories."""
 FALL = 1e-9
 """Value of exp(-eta t) at the end of the window of a transform."""
 
@@ -41,6 +46,33 @@ class Motion:
     t: Array
     slip: Single
     opening: Single
+
+    def divided(
+        self, begin: float, end: float, most: float, across: float
+    ) -> tuple[Motion, Motion] | None:
+        """Return what moves until a time at which all is static, and what moves beyond that.
+
+        It is the last such time before `begin`, at most `most` before `end`; None if there is none.
+        Static is what changed by at most `QUIET` each time a wave crossed the line in the time
+        `across`, until the waves of an event have died out [time].
+        """
+        t, slip = self.t, self.slip
+        last = min(int(np.searchsorted(t, end)) + 10, len(t) - 1)  # the last levels fade
+        first = max(int(np.searchsorted(t, t[last] - most)), 1)
+        largest = QUIET * float(np.abs(slip[first - 1 : last]).max(initial=0.0))
+        for row in range(int(np.searchsorted(t, begin, side="right")) - 1, first - 1, -1):
+            before = np.searchsorted(t, t[row] - across * np.arange(ECHOES + 1), side="right") - 1
+            rows = [row, *np.unique(np.maximum(before[1:], 0))[::-1].tolist()]
+            changes = (
+                float(np.abs(slip[early:late] - slip[late]).max())
+                * min(1.0, across / (t[late] - t[early]))
+                for late, early in pairwise(rows)
+            )
+            if max(changes) <= largest:
+                later = (one[row:last] - one[row - 1] for one in (slip, self.opening))
+                earlier = Motion(t[: row + 1], slip[:row], self.opening[:row])
+                return earlier, Motion(t[row : last + 1], *later)
+        return None
 
 
 class MotionRecord:

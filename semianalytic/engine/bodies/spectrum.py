@@ -270,6 +270,49 @@ class Spectrum:
         return found
 
 
+def steady(
+    asked: Asked,
+    bodies: tuple[Material, ...],
+    lower: bool,
+    first: float,
+    spacing: float,
+    moved: Mapping[str, Array],
+    x: Array,
+    depths: Array,
+    held: float = 0.0,
+) -> Array:
+    """Return the static field of slip "x" or "z" and opening "y" at nodes (n,), (rows, p).
+
+    It is the velocity if these are rates; all else is as of `Spectrum.of` and `picture`.
+    """
+    body, nodes = bodies[lower and len(bodies) - 1], len(next(iter(moved.values())))
+    k = 2 * np.pi / (nodes * spacing) * np.arange(nodes // 2)
+    q = np.append(held, k[1:])
+    # so slow that waves obey statics to 1e-8, and not so slow that digits cancel
+    s = 1e-4 * body.shear_speed * np.maximum(q, 1e-3 * k[1])
+    roots, amplitudes = decays(body, q, s + 0j), dict[str, Complex]()
+    placed = np.exp(-1j * k * first) / nodes * (1.0 if asked == "velocity" else s)
+    for name, values in moved.items():
+        rate = np.fft.rfft(values)[: len(k)] * placed
+        rate[0] /= 2  # the mean is counted at q and at -q
+        drives: tuple[Any, ...] = (-0.5 if lower else 0.5,)
+        if name != "z":
+            drives = potentials(bodies, lower, q, s + 0j, name == "y")
+        for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
+            amplitudes[wave] = amplitudes.get(wave, 0.0) + drive * rate
+    rows = [[term for term in row if term.wave in amplitudes] for row in terms_of(asked, body)]
+    found, levels = np.zeros((len(rows), len(x))), depths.tolist()
+    for depth in set(levels):
+        here = depths == depth
+        waves = np.exp(1j * np.multiply.outer(x[here], k))
+        for row, terms in zip(found, rows, strict=True):
+            for term in terms:
+                decay = roots[term.wave != "P"]
+                sent = amplitudes[term.wave] * term.factor(q, decay, s) * np.exp(-decay * depth)
+                row[here] += 2 * (waves @ (term.coefficient * (1j * q) ** term.turns * sent)).real
+    return found
+
+
 def laid_down(depths: Array, decay: Complex, sent: Complex) -> Complex:
     """Return the sums over frequencies at depths (d,) of waves (k, m) that fall off, (d, k).
 

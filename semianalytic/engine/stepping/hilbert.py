@@ -6,6 +6,9 @@ H f(t) = (1/pi) PV int f(s) / (t - s) ds is not 0 before the history begins.
 
 from __future__ import annotations
 
+from math import factorial
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,27 +49,30 @@ def transformed(history: LoadHistory, start: Array, end: Array) -> Array:
     start, end : (n,) arrays
         Times [time].
     """
-    total = np.zeros(len(start))
-    for at, jump in history.pieces.jumps:
-        total += jump * _mean(0, start - at, end - at)
-    for at, slope in history.pieces.kinks:
-        total += slope * _mean(1, start - at, end - at)
-    return total / np.pi
-
-
-def _mean(order: int, start: Array, end: Array) -> Array:
-    """Return the mean over intervals of the integral, `order` times, of ln |t|."""
     alone = start == end
-    length = np.where(alone, 1.0, end - start)
-    mean = (_integral(order + 1, end) - _integral(order + 1, start)) / length
-    return np.where(alone, _integral(order, end), mean)
+    later, earlier = (analytic(history, t + 0j, 1).imag for t in (end, start))
+    mean = (later - earlier) / np.where(alone, 1.0, end - start)
+    return np.asarray(np.where(alone, analytic(history, end + 0j, 0).imag, mean))
 
 
-def _integral(order: int, t: Array) -> Array:
-    """Return ln |t|, integrated so often from 0."""
-    with np.errstate(divide="ignore"):
-        log = np.log(np.abs(t))
+def analytic(history: LoadHistory, t: Any, order: int) -> Any:
+    """Return f + i H f at complex times on or above the real axis, integrated so often, t's shape.
+
+    It is the history of waves that decay: exp(-i w t) for w < 0, which falls off with Im t.
+    """
+    pieces, total = history.pieces, np.zeros(t.shape, dtype=complex)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at a jump
+        for count, steps in ((order, pieces.jumps), (order + 1, pieces.kinks)):
+            for at, size in steps:
+                since, late = t - at, 1j / np.pi * _integral(count, t - at)
+                total += size * (since**count / factorial(count) + late)
+    return total
+
+
+def _integral(order: int, t: Any) -> Any:
+    """Return ln t, integrated so often from 0."""
+    log = np.log(t)
     if order == 0:
         return log
-    log = np.where(t == 0, 0.0, log)
-    return t * log - t if order == 1 else t**2 / 2 * log - 0.75 * t**2
+    size, harmonic = t**order / factorial(order), sum(1 / k for k in range(1, order + 1))
+    return size * np.where(t == 0, 0.0, log) - harmonic * size

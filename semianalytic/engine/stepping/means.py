@@ -45,7 +45,7 @@ def area_means(
         line is periodic, which matters where its first and last nodes are `inner`.
     """
     below, last = excess < 0, len(excess) - 1
-    # Beside a stuck edge the excess is singular but of one sign: there the mean must not slip.
+    # Next to a stuck edge the excess is singular but of one sign: there the mean must not slip.
     # Elsewhere the mean differs from the value only at a change of sign, which the ends of the
     # line may have beyond them.
     changes = (below[1:] != below[:-1]).nonzero()[0].tolist()

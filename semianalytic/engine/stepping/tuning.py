@@ -17,7 +17,7 @@ ZONE_NODES = 3.0
 BESIDE_EDGE_ERROR = 0.3
 """Error of a singular traction next to an edge; with half pressure is off by 1.2 estimates."""
 FILM_EDGE_ERROR = 0.45
-"""Error of slip beside an edge under a stiff film, over that of the first node: 0.35 in closed
+"""Error of slip next to an edge under a stiff film, over that of the first node: 0.35 in closed
 form, 0.48 on 7 nodes."""
 LEAST_GAP = 0.01
 """Part of slip below which gaps decide nothing: next to slots nodes open by 2e-4."""

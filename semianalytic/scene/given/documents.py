@@ -261,7 +261,7 @@ class _Reading:
         if not isinstance(value, Mapping):
             raise SceneError(
                 f'contact must be "{WHOLE_LINE}", a table such as {{intervals = [[-1, 1]]}}, or '
-                f"left out for x > 0 beside a slot, got {shown(value)}."
+                f"left out for x > 0 next to a slot, got {shown(value)}."
             )
         check_keys("contact.", value, ("intervals",))
         return Contact(value["intervals"])

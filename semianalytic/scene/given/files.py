@@ -34,12 +34,6 @@ FINITE = (
     "this is a specimen of finite size; simulate or compare it, or, until its sides are felt, "
     "solve the half-planes of it (docs/specimens.md)."
 )
-_FORMER = {
-    "length": "period",
-    "law": "[friction_law]",
-    "pressure": "pressure in [base]",
-    "shear": "shear in [base]",
-}
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -80,9 +74,6 @@ def scene_of_file(document: Mapping[str, Any], path: str | Path) -> Scene:
         if "upper" in document:
             raise SceneError(FINITE)
         # Whatever is unknown or out of range raises here, and gets the name of the file in front.
-        for key, now in _FORMER.items():
-            if key in document:
-                raise SceneError(f"unknown key {key}; write {now} (docs/engine.md).")
         whole = "load" in document or any(key in document for key in ("period", "run", "rate"))
         friction = () if "friction_law" in document else ("friction",)
         needed = (*friction, *NEEDED, *(() if whole else ("load",)))

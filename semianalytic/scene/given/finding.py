@@ -26,11 +26,11 @@ def find_scene(source: str | PathLike[str]) -> Scene:
 
 
 def check_slot(what: str, scene: Scene) -> None:
-    """Raise SceneError unless a scene is a slot beside a contact, under a load that does not grow:
+    """Raise SceneError unless a scene is a slot next to a contact, under a load that does not grow:
     `solve` alone takes others."""
     if scene.on_line:
         raise SceneError(
-            f"{what}: this takes only a slot beside a contact, and the scene has {scene.on_line}, "
+            f"{what}: this takes only a slot next to a contact, and the scene has {scene.on_line}, "
             "which is marched along a line; use slipfront solve or compare, or `solve` in "
             "Python (docs/engine.md)."
         )

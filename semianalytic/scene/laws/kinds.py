@@ -25,11 +25,6 @@ LAW_KINDS: Mapping[str, type[Law]] = {
 }
 LAW_WORDS = ("kind", "shape", "evolution")
 """Keys of laws in files whose values are words."""
-_OTHER_WORDS: Mapping[str, str] = {
-    "viscous": "coulomb",
-    "slip-dependent": "slip-weakening",
-    "rate-dependent": "rate-weakening",
-}
 
 
 def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
@@ -52,8 +47,6 @@ def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
     """
     values = checked_table(name, table)
     kind = values.pop("kind", None)
-    if isinstance(kind, str) and kind in _OTHER_WORDS:
-        raise SceneError(f"{name}: {kind} is called {_OTHER_WORDS[kind]}; change its kind.")
     described: type[Law] = known_class(name, LAWS, Law, LAW_KINDS, kind)
     own = coefficient_field(described)
     if coefficient is not None:

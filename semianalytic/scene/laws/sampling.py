@@ -61,7 +61,7 @@ def barrier_misfit(field: Any, x: Array, spacing: float) -> float:
     The node of a cell in which a field jumps beyond `BARRIER` takes its value: the grid has the
     jump at an end of the cell.
     """
-    size = np.abs(_across(field, x, spacing, 64))
+    size = np.abs(_across(field, x, spacing, (np.arange(64) + 0.5) / 64 - 0.5))
     cut = size.max(axis=0) > BARRIER * size.min(axis=0)
     part = (size > np.sqrt(BARRIER) * size.min(axis=0)).mean(axis=0)[cut]
     return float(np.minimum(part, 1 - part).max(initial=0.0))
@@ -101,24 +101,40 @@ def moving(field: Any, x: Array, t: float, spacing: float) -> Array:
 def _with_jumps(field: Any, x: Array, values: Array, spacing: float, largest: float) -> Array:
     """Return values at nodes (n,), of which those whose cells hold a jump are means."""
     # With 4 a bump as wide as a cell passes for a jump, with 16 the same jumps are found.
-    parts = _across(field, x, spacing, 8)
+    parts = _across(field, x, spacing, np.linspace(-0.5, 0.5, 9))
     with np.errstate(invalid="ignore"):  # beyond the ends of a table there is nan
         steps = np.abs(np.diff(parts, axis=0))
-        # A smooth field has its change in many of the parts, 1/7 in each where it is linear and 1/4
+        # A smooth field has its change in many of the parts, 1/8 in each where it is linear and 1/4
         # at a maximum, a jump in one.
         jumps = steps.max(axis=0) > 0.5 * steps.sum(axis=0)
         low, high = np.abs(parts).min(axis=0), np.abs(parts).max(axis=0)
         jumps &= np.isfinite(parts).all(axis=0) & (high / largest <= low)
-    if jumps.any():
-        # A jump is put to 1/128 of the node distance.
-        values[jumps] = _across(field, x, spacing, 64)[:, jumps].mean(axis=0)
+    if not jumps.any():
+        return values
+    # A mean that moved in steps with the place of a jump would have no derivative by it.
+    nodes, means = np.arange(len(x)), (parts[1:] + parts[:-1]).mean(axis=0) / 2
+    for step in np.argsort(steps, axis=0)[-2:]:
+        before, after = parts[step, nodes], parts[step + 1, nodes]
+        if (before[jumps] == after[jumps]).all():
+            continue
+        low, high = (spacing * ((step + end) / 8 - 0.5) for end in (0.0, 1.0))
+        amid = (low + high) / 2  # where the mean of parts has it
+        for _ in range(45):  # to rounding
+            middle = (low + high) / 2
+            value = _at(field, x + middle)
+            is_before = np.abs(value - before) < np.abs(value - after)
+            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        means += (before - after) * ((low + high) / 2 - amid) / spacing
+    values[jumps] = means[jumps]
     return values
 
 
-def _across(field: Any, x: Array, spacing: float, count: int) -> Array:
-    """Return a field amid equal parts of the cells of nodes, (count, n)."""
-    # the field is asked for as many values as there are nodes: it may be made for these alone
-    offsets = spacing * ((np.arange(count) + 0.5) / count - 0.5)
+def _across(field: Any, x: Array, spacing: float, shares: Array) -> Array:
+    """Return a field at shares of a cell from its node, (count, n)."""
+    return np.array([_at(field, x + by) for by in spacing * shares])
+
+
+def _at(field: Any, x: Array) -> Array:
+    """Return a field at as many places as there are nodes: it may be made for these alone."""
     with np.errstate(all="ignore"):  # a formula may have no value near the contact
-        rows = [np.broadcast_to(np.asarray(field(x + by), float), x.shape) for by in offsets]
-    return np.array(rows)
+        return np.broadcast_to(np.asarray(field(x), float), x.shape)

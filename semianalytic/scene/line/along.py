@@ -54,7 +54,7 @@ class AlongLine:
             return "tractions that vary along x"
         if isinstance(self.load, tuple | InterfaceLoad | FrontLoad):
             return "loads along x"
-        # the slot x < 0 beside a contact, or the contact everywhere of loads without a slot
+        # the slot x < 0 next to a contact, or the contact everywhere of loads without a slot
         if self.contact != (WHOLE_LINE if isinstance(self.load, WITHOUT_SLOT) else HALF_LINE):
             return "contacts"
         usuals = {"period": math.inf, "plate_rate": 0.0, "held": math.inf, "rate": 0.0}

@@ -72,7 +72,7 @@ class Contact:
 
     @classmethod
     def half_line(cls) -> Contact:
-        """Return the contact x > 0, beside a slot x < 0."""
+        """Return the contact x > 0, next to a slot x < 0."""
         return cls(((0.0, math.inf),))
 
     @property

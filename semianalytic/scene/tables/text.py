@@ -40,7 +40,7 @@ _LOST = re.compile(r"([+-]?\d*[.,]\d+)([+-]\d{3})\Z")
 """Fortran leaves out the E where the exponent has three digits."""
 _COMMENT = re.compile(rb"^[ \t]*[#%!][^\n]*", re.MULTILINE)
 """Lines of which some codes write all characters, NULs included."""
-_TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)\s*=", re.IGNORECASE)
+_TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)(?:\s+\w+)?\s*=", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)

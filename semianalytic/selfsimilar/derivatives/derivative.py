@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivatives.edges import edge_moved, edges_moved, edges_of_zones
 from semianalytic.selfsimilar.derivatives.error import difference_error
 from semianalytic.selfsimilar.derivatives.parameters import (
     border,
@@ -21,7 +20,7 @@ from semianalytic.selfsimilar.derivatives.parameters import (
     starts_at_front,
 )
 from semianalytic.selfsimilar.derivatives.variation import Surroundings
-from semianalytic.selfsimilar.derivatives.varied import VariedProfile
+from semianalytic.selfsimilar.derivatives.varied import VariedProfile, edges_of_zones
 from semianalytic.selfsimilar.zones.motion import over_slowness
 
 
@@ -218,7 +217,7 @@ class Derivative:
         if opened is None:
             return ()
         unit, ends = self.scene.material.shear_speed, (opened.zone.right, opened.zone.left)
-        inner, outer = (0.0 if end is None else unit * edge_moved(self.varied, end) for end in ends)
+        inner, outer = (0.0 if end is None else unit * self.varied.edge_moved(end) for end in ends)
         return (OpenDerivative(inner, outer),)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -296,12 +295,12 @@ def _zones(
     """Return the derivatives of zones (inner, outer, sense), from the contact edge outward."""
     fields, unit = varied.profile.fields, scene.material.shear_speed
     speeds_of = [float(unit / edge.v[0]) for edge in edges_of_zones(varied.profile)]
-    known = dict(zip(speeds_of, edges_moved(varied).tolist(), strict=True))
+    known = dict(zip(speeds_of, varied.edges_moved().tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
     if starts_at_front(varied.profile):  # the edge of a strip that no difference sees
         known |= {outer: 0.0 for _, outer, _ in speeds[-1:]}
     if scene.fastest_speed > unit:
-        known[scene.fastest_speed] = edge_moved(varied, fields.factors.front_a)
+        known[scene.fastest_speed] = varied.edge_moved(fields.factors.front_a)
     # The strip that sticks behind the front has a width like the 2/3 power of the excess; under a
     # step of pressure like its square.
     excess = varied.variation.rates.front_excess

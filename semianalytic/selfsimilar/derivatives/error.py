@@ -6,8 +6,7 @@ import numpy as np
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.selfsimilar.derivatives.edges import edges_moved, edges_of_zones
-from semianalytic.selfsimilar.derivatives.varied import VariedProfile
+from semianalytic.selfsimilar.derivatives.varied import VariedProfile, edges_of_zones
 from semianalytic.selfsimilar.zones import tuning
 
 
@@ -19,7 +18,7 @@ def difference_error(fine: VariedProfile, coarse: VariedProfile, size: float) ->
     """
     profile = fine.profile
     u = _compared(profile)
-    worst = _share(edges_moved(fine), edges_moved(coarse), 1 / size)
+    worst = _share(fine.edges_moved(), coarse.edges_moved(), 1 / size)
     worst = max(worst, _largest_share(fine, coarse, u, size))
     if profile.edge_slips:
         # A film may slip at the contact edge alone, nearer than any of these points: one of

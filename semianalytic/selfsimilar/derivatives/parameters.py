@@ -128,7 +128,7 @@ def _of_front(scene: Scene, stress: float, name: str) -> Rates | None:
 
 
 def border(scene: Scene, profile: Profile, name: str) -> str:
-    """Return what changes beside a solution with a parameter, or ""."""
+    """Return what changes next to a solution with a parameter, or ""."""
     load = profile.fields.load
     if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
@@ -141,7 +141,7 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
             return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
     of_shear = name in ("base_shear", "load_shear", *OF_FRONT)
     if of_shear and load.opened is not None and not profile.fields.zones:
-        return "one-sided: with any shear the interface moves where it is open, and slips beside it"
+        return "one-sided: with any shear the open part moves and slip goes on next to it"
     if load.frictionless:
         return ""
     # How much the base lacks of friction, in the unit of stress of the profile.

@@ -27,6 +27,14 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.derivatives.variation import Variation
 
 
+def edges_of_zones(profile: Profile) -> list[CutPoints]:
+    """Return the edges of slip zones, from the longitudinal front inward, and of the opening."""
+    zones, opened = profile.fields.zones, profile.fields.load.opened
+    if opened is not None:
+        zones = (*zones, opened.zone)
+    return [edge for zone in zones for edge in (zone.left, zone.right) if edge is not None]
+
+
 @dataclass(frozen=True)
 class VariedProfile:
     """Derivatives of a profile with respect to a parameter, at fixed u = t/x >= 0 of shape (m,)."""
@@ -71,6 +79,15 @@ class VariedProfile:
         """Return the derivative of the slowness of an edge or front where a panel begins, (1,)."""
         starts = [left.first for left in self._panels.left]
         return np.asarray(self._nodes.ends[0, starts.index(point.first)])
+
+    def edge_moved(self, edge: CutPoints) -> float:
+        """Return the derivative of the velocity [c_t] of an edge or front where a panel begins."""
+        # The velocity is 1 / v, so that d(1/v) = -dv / v^2.
+        return float(-self.moved(edge)[0] / edge.v[0] ** 2)
+
+    def edges_moved(self) -> Array:
+        """Return the derivatives (e,) of the velocities of `edges_of_zones` [c_t]."""
+        return np.array([self.edge_moved(edge) for edge in edges_of_zones(self.profile)])
 
     @cached_property
     def _rate(self) -> PanelIntegral:

@@ -12,8 +12,10 @@ one-sided slip rates throughout.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,6 +68,69 @@ class GridSlip:
     pivots: int
 
 
+def clustered(ends: Sequence[float] | Array, counts: np.ndarray) -> tuple[Array, Array, Array]:
+    """Return nodes (n + 1,) that cluster at all ends, and Gauss points and weights (n, g) between.
+
+    `counts` are the numbers of elements from one end to the next.
+    """
+    t, weight = gauss(tuning.GAUSS_PER_ELEMENT)
+    nodes, points, weights = [np.zeros(1)], [], []
+    for (left, right), count in zip(pairwise(ends), counts, strict=True):
+        s = np.arange(count + 1) / count
+        # Sine-squared spacing clusters the nodes at both ends, where fields are not smooth.
+        nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
+        sub = (s[:-1, None] + t / count) * np.pi / 2
+        points.append(left + (right - left) * np.sin(sub) ** 2)
+        weights.append((right - left) * np.sin(2 * sub) * np.pi / 2 * weight / count)
+    return np.concatenate(nodes), np.concatenate(points), np.concatenate(weights)
+
+
+def hat_areas(width: Array) -> Array:
+    """Return the integrals (n + 1,) of hat functions on elements of widths (n,)."""
+    return np.convolve(width, [0.5, 0.5])
+
+
+def hat_gram(width: Array) -> Array:
+    """Return the integrals (n + 1, n + 1) of products of two hat functions."""
+    return (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1)) / 6
+
+
+def integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
+    """Return weights (m, n) from slopes of a function to minus its hat tests, 0 at the last node.
+
+    int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
+    """
+    n, width = len(xi) - 1, np.diff(xi)
+    local, area = (at - xi[:-1, None]) / width[:, None], hat_areas(width)
+    passed = np.zeros((n, at.shape[1], n))
+    passed += np.where(np.arange(n)[:, None] > np.arange(n), area[:n], 0.0)[:, None]
+    rows = np.arange(n)
+    passed[rows, :, rows] = area[:n, None] - width[:, None] / 2 * (1 - local) ** 2
+    passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
+    return np.asarray((passed * dxi[:, :, None]).reshape(-1, n))
+
+
+def element_integrals(xi: Array, at: Array, density: Array) -> Array:
+    """Return Cauchy integrals (m, n, ...) at points (m,) of each element of densities (n + 1, ...).
+
+    Those of a linear function are a logarithm and a constant.
+    """
+    axes = (..., *[None] * (density.ndim - 1))
+    width, offset = np.diff(xi)[axes], xi - at[:, None]
+    slope = np.diff(density, axis=0) / width
+    log = np.diff(np.log(np.abs(offset)), axis=1)[axes]
+    return np.asarray((density[:-1] - slope * offset[:, :-1][axes]) * log + slope * width)
+
+
+def at_nodes(gradient: Array, width: Array) -> Array:
+    """Return effects (m, n + 1, ...) of values at nodes from those (m, n, ...) of their slopes."""
+    by_node = np.zeros((len(gradient), len(width) + 1, *gradient.shape[2:]))
+    per_value = gradient / width[(..., *[None] * (gradient.ndim - 2))]
+    by_node[:, 1:] += per_value
+    by_node[:, :-1] -= per_value
+    return by_node
+
+
 @lru_cache(maxsize=32)
 def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     """Return a grid of about `size` nodes with its operator; recent Poisson ratios are cached."""
@@ -73,18 +138,7 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     ends, shares = np.array([0.0, 1.0, 1 / factors.a]), np.array([0.65, 0.35])
     if factors.has_rayleigh_wave:
         ends, shares = np.insert(ends, 1, 1 / factors.c), np.array([0.4, 0.25, 0.35])
-    counts = np.maximum(np.round(size * shares).astype(int), 4)
-    t, weight = gauss(tuning.GAUSS_PER_ELEMENT)
-    nodes, points, weights = [np.zeros(1)], [], []
-    for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
-        s = np.arange(count + 1) / count
-        # Sine-squared spacing clusters the nodes at both ends, where fields are not smooth.
-        nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
-        sub = (s[:-1, None] + t / count) * np.pi / 2
-        points.append(left + (right - left) * np.sin(sub) ** 2)
-        weights.append((right - left) * np.sin(2 * sub) * np.pi / 2 * weight / count)
-    xi = np.concatenate(nodes)
-    point, dxi = np.concatenate(points), np.concatenate(weights)  # (elements, gauss)
+    xi, point, dxi = clustered(ends, np.maximum(np.round(size * shares).astype(int), 4))
     n = len(xi) - 1
     width = np.diff(xi)
 
@@ -95,33 +149,16 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     # n(xi) tends to 0 at the contact edge.
     node_density = np.zeros(n + 1)
     node_density[1:] = xi[1:] * factors.m_plus(1 / xi[1:])
-    slope = np.diff(node_density) / width
-    offset = xi[None, :] - point.ravel()[:, None]
-    log = np.diff(np.log(np.abs(offset)), axis=1)
-    at_point = node_density[:-1] - slope * offset[:, :-1]
-    # Integral of a linear function over an element divided by xi0 - xi: a logarithm plus a
-    # constant.
-    cauchy = at_point * log + slope * width
+    cauchy = element_integrals(xi, point.ravel(), node_density)
     gradient = -(impedance.imag / (np.pi * density))[:, None] * cauchy
     own = np.repeat(np.arange(n), tuning.GAUSS_PER_ELEMENT)
     gradient[np.arange(len(own)), own] -= impedance.real
-    # From V' on elements to V at nodes.
-    by_node = np.zeros((len(own), n + 1))
-    by_node[:, 1:] += gradient / width
-    by_node[:, :-1] -= gradient / width
+    by_node = at_nodes(gradient, width)
     # Slip at the last node and beyond also radiates far ahead: the term with M_-(0) V(inf).
     far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero[mode]
 
-    # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
-    local = (point - xi[:-1, None]) / width[:, None]
-    area = np.convolve(width, [0.5, 0.5])  # hat areas, (n + 1,)
-    passed = np.zeros((n, tuning.GAUSS_PER_ELEMENT, n))
-    rows = np.arange(n)
-    for i in range(n):
-        passed[i + 1 :, :, i] = area[i]
-    passed[rows, :, rows] = area[:n, None] - (width[:, None] / 2 * (1 - local) ** 2)
-    passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
-    test = (passed * dxi[:, :, None]).reshape(-1, n)
+    test, area = integrated_tests(xi, point, dxi), hat_areas(width)[:n]
+    local, rows = (point - xi[:-1, None]) / width[:, None], np.arange(n)
     hats = np.zeros((n, tuning.GAUSS_PER_ELEMENT, n))
     hats[rows, :, rows] = 1 - local
     hats[rows[:-1], :, rows[1:]] = local[:-1]
@@ -129,11 +166,11 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     return SlipGrid(
         xi,
         -(test.T @ by_node)[:, :n],
-        -test.T @ far - area[:n],
-        area[:n],
+        -test.T @ far - area,
+        area,
         sample.T @ stuck_traction(poisson_ratio, mode)(v),
         sample.T @ stuck_traction(poisson_ratio, "I")(v),
-        (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1))[:n] / 6,
+        hat_gram(width)[:n],
         sample.T,
         v,
     )
@@ -160,7 +197,7 @@ def slip_on_grid(
         eta = np.full(len(stiffness), load.resistance)
         if load.opened is not None:
             eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
-        # Beside an opening the matrix is lumped: the film of a closed node then depends on V at
+        # Next to an opening the matrix is lumped: the film of a closed node then depends on V at
         # that node alone.
         gram = grid.gram if load.opened is None else np.eye(*grid.gram.shape) * grid.weight[:, None]
         stiffness = stiffness + eta[:, None] * gram[:, :-1]

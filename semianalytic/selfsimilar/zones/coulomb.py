@@ -89,7 +89,7 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
     if not profile.edge_slips:
         sound &= excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
-        # V = A + r ln|v - c| reverses beside c if r has the sign of the zone.
+        # V = A + r ln|v - c| reverses next to c if r has the sign of the zone.
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any() and not panels.layout.open[pole]:
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)

@@ -152,7 +152,7 @@ def motion(
 def _points_in_opening(profile: Profile) -> CutPoints:
     """Return points in the opening by slowness: nodes of its panels, and more near c.
 
-    Beside powers of slip rate those that only rounding separates from an end are left out.
+    Next to powers of slip rate those that only rounding separates from an end are left out.
     """
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)

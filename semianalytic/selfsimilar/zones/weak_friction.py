@@ -105,7 +105,7 @@ def _gaps(
     Gaps too wide for the strip around c are one, twice as wide.
     """
     widths = [_gap_width(profile, load, change) for change in changes]
-    # Beside a narrow strip the ratio is below 4 / pi.
+    # Next to a narrow strip the ratio is below 4 / pi.
     if len(changes) == 2 and widths[0] > 1.2 * abs(changes[0].from_c[0]):
         strip = [2 * change.from_c[0] for change in changes]
         if -strip[0] < 2 * tuning.NARROWEST_GAP:

@@ -79,10 +79,10 @@ def test_slip_where_there_is_none_is_over_that_of_a_free_surface():
 def test_a_record_may_have_a_sample_where_the_exact_slip_rate_is_infinite():
     """At the end of the patch, |x| = 0.3 t: `validate` ended in an error of Python."""
     records = records_of(SHEETS["whole-line-patch"], times=TIMES + 1e-5)
-    for one in records.stations:
-        np.nan_to_num(one.values["slip_rate"], copy=False, posinf=9.0)
-    assert any(9.0 in one.values["slip_rate"] for one in records.stations)
-    errors = [one.error for one in score(SHEETS["whole-line-patch"], records)]
+    for station in records.stations:
+        np.nan_to_num(station.values["slip_rate"], copy=False, posinf=9.0)
+    assert any(9.0 in station.values["slip_rate"] for station in records.stations)
+    errors = [result.error for result in score(SHEETS["whole-line-patch"], records)]
     assert max(errors) < 0.05
 
 

@@ -218,9 +218,9 @@ def test_a_sheet_without_classes_scores_its_own_answer(name, tmp_path):
     sheet, path = find_sheet(name), tmp_path / "mine.csv"
     path.write_text(table_of(sheet))
     assert sheet.title in page_of(sheet)
-    for one in score_files([path]):
-        assert (one.grade, one.held) == ("", 1.0)
-        assert one.error < (0.02 if one.quantity == "arrival" else 1e-6)
+    for file in score_files([path]):
+        assert (file.grade, file.held) == ("", 1.0)
+        assert file.error < (0.02 if file.quantity == "arrival" else 1e-6)
 
 
 def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):

@@ -142,6 +142,7 @@ def test_gaps_with_a_sign_and_exponents_that_lost_their_e(tmp_path):
 @pytest.mark.parametrize("suffix", [".npz", ".h5"])
 def test_arrays(suffix, turned, tmp_path):
     arrays = {"time": T, "x": X, "V": RATE.T if turned else RATE, "unrelated": np.ones(3)}
+    arrays["heat"] = np.ones(RATE.shape)
     path = tmp_path / f"run{suffix}"
     if suffix == ".npz":
         np.savez(path, **arrays)
@@ -152,6 +153,7 @@ def test_arrays(suffix, turned, tmp_path):
     (records,) = read_records([path])
     check(records)
     assert any("turned" in note for note in records.notes) == turned
+    assert records.unread[-1] == "heat"
 
 
 def test_columns_may_be_told_and_faces_are_joined(tmp_path):
@@ -443,7 +445,8 @@ def test_t_s_of_seissol_is_a_shear_traction(tmp_path, time):
     assert station.values["pressure"].tolist() == [0, 1e5]
     assert records.stated.changes == {"shear_traction", "pressure"}
     assert records.stated.units.keys() == ({"t"} if time == "t [s]" else set())
-    path.write_text(SEISSOL.format(more=',"Ts0" ,"Pn0"', values="7.0E+07\t-1.2E+08\t"))
+    text = SEISSOL.replace("# x1", 'ZONE T="receiver", F=POINT\n# x1')
+    path.write_text(text.format(more=',"Ts0" ,"Pn0"', values="7.0E+07\t-1.2E+08\t"))
     records = read(path)
     assert records.stations[0].values["shear_traction"][0] == 7e7
     assert records.stations[0].values["pressure"][0] == -1.2e8

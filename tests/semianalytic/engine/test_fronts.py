@@ -9,6 +9,7 @@ from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.hilbert import comes_back, transformed
+from semianalytic.field.plane_wave import plane_wave
 from tests.semianalytic.engine.runs import one_run
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
@@ -85,46 +86,46 @@ def name(wave):
     return f"{wave.kind} {wave.from_} {wave.angle:g}"
 
 
-def faces(body, k):
-    """A, B and k D of one body at a slowness k, as in `dissimilar.compliance`, without its code."""
-    mu, a, b = body.shear_modulus, 1 / body.longitudinal_speed, 1 / body.shear_speed
-    alpha, beta, q = np.sqrt(a**2 - k**2), np.sqrt(b**2 - k**2), b**2 - 2 * k**2
-    rayleigh = mu * (q**2 + 4 * k**2 * alpha * beta)
-    return alpha * b**2 / rayleigh, beta * b**2 / rayleigh, k * (2 * alpha * beta - q) / rayleigh
-
-
 @pytest.mark.parametrize("wave", WAVES, ids=name)
-def test_bonded_tractions_close_the_jump_that_free_faces_would_have(wave):
-    """The compliance of both bodies times the tractions is the motion of the struck face alone.
+def test_waves_of_bonded_bodies_are_continuous_and_obey_hooke(wave):
+    """Stress since t = 0 is that of the displacement; like bodies have the incident wave alone."""
+    x, t = np.random.default_rng(0).uniform((-1, 0), (1, 1.5), (20, 2)).T
+    pulse, step = sf.Pulse(0.6, "triangle"), 1e-6
 
-    The struck body moves as the wave does, and by its compliance under the tractions that exceed
-    those of the wave.
-    """
-    below = wave.from_ == "below"
-    source = SOFT if below else HARD
-    k = -wave.slowness(source) * (1 - 1e-14j) + 0j
-    a, b, kd = faces(source, k)
-    own, sign = wave.tractions(source), 1 if below else -1  # D has the sign of the side
-    tau, sigma = own.shear, -own.pressure
-    motion = wave.particle_velocity(source) * np.array(wave.polarisation()[:2])
-    response = np.array([b * tau - sign * kd * sigma, sign * kd * tau + a * sigma])
-    entries = compliance_of(HARD, SOFT).at(np.array([k * HARD.shear_speed]))
-    both = np.array(
-        [[entries.tangential[0], entries.coupling[0]], [-entries.coupling[0], entries.normal[0]]]
-    ) / (entries.rayleigh[0] * HARD.shear_impedance)
+    def field(quantity, y, right=0.0, later=0.0, bodies=(HARD, SOFT)):
+        at = x + right, np.full_like(x, y), t + later
+        return plane_wave(wave, bodies, quantity, at, pulse)
+
+    assert field("velocity", 1e-12) == pytest.approx(field("velocity", -1e-12), abs=1e-8)
+    faces = [field("stress", y)[1:] for y in (1e-12, -1e-12)]
+    assert faces[0] == pytest.approx(faces[1], abs=1e-8)
     pressure, shear = bonded_tractions(wave, HARD, SOFT)
-    found = both @ np.array([shear, -pressure])
-    assert found == pytest.approx(response - sign * motion, abs=1e-12)
-    critical = abs(wave.slowness(source)) > 1 / HARD.longitudinal_speed
+    slowness = wave.slowness(SOFT if wave.from_ == "below" else HARD)
+    since = t - slowness * x
+    hilbert = transformed(pulse, since, since)
+    for part, size in zip(faces[0], (-pressure, shear), strict=False):
+        assert part == pytest.approx(size.real * pulse.value(since) + size.imag * hilbert, abs=1e-8)
+    critical = abs(slowness) > 1 / HARD.longitudinal_speed
     assert (abs(pressure.imag) > 1e-3) == critical
-
-
-@pytest.mark.parametrize("wave", WAVES, ids=name)
-def test_identical_bodies_reflect_nothing(wave):
-    pressure, shear = bonded_tractions(wave, SOFT, SOFT)
-    wanted = wave.tractions(SOFT)
-    assert pressure == pytest.approx(wanted.pressure, abs=1e-13)
-    assert shear == pytest.approx(wanted.shear, abs=1e-13)
+    for body, y in ((HARD, 0.3), (SOFT, -0.3)):
+        rate, along, across = (
+            (field("displacement", y + up, *by) - field("displacement", y - up, *back)) / (2 * step)
+            for up, by, back in (
+                (0, (0, step), (0, -step)),
+                (0, (step, 0), (-step, 0)),
+                (step, (0, 0), (0, 0)),
+            )
+        )
+        assert rate == pytest.approx(field("velocity", y), abs=1e-8)
+        modulus = body.density * body.longitudinal_speed**2
+        spread = (modulus - 2 * body.shear_modulus) * (along[0] + across[1])
+        normal = [spread + 2 * body.shear_modulus * part for part in (along[0], across[1])]
+        turned = body.shear_modulus * (along[1] + across[0])
+        # displacement counts from t = 0 where waves run ahead of the front
+        changed = field("stress", y) - critical * field("stress", y, later=-t)
+        assert np.array([*normal, turned]) == pytest.approx(changed[:3], abs=1e-7)
+    alone = plane_wave(wave, (SOFT,), "stress", (x, np.full_like(x, 0.3), t), pulse)
+    assert field("stress", 0.3, bodies=(SOFT, SOFT)) == pytest.approx(alone, abs=1e-12)
 
 
 def test_the_transform_of_a_history_is_its_hilbert_transform():

@@ -30,7 +30,7 @@ def test_slip_that_no_node_shows_is_an_error_of_all_slip(friction):
     assert done.error_estimates["slip"] == done.error_estimates["slip_rate"] == 1.0
     length, area = EdgeNodes(done).missed_slip
     assert length == pytest.approx(zone.outer, rel=0.1)
-    assert f"slips beside an edge over about {length:.2g}" in done.status
+    assert f"slips next to an edge over about {length:.2g}" in done.status
     needed = int(done.status.split("use ")[1].split()[0])
     assert sf.solve(pushed(friction), end_time=1.0, nodes=needed, times=[1.0]).status == "done"
     x = zone.outer * (np.arange(400) + 0.5) / 400

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 import semianalytic as sf
-from semianalytic.engine.bodies.motion import Levels, MotionRecord
+from semianalytic.engine.bodies import marched_bodies
+from semianalytic.engine.bodies.marched_bodies import MarchedBodies
+from semianalytic.engine.bodies.motion import Levels, Motion, MotionRecord
 from semianalytic.engine.bodies.spectrum import terms_of
 from semianalytic.engine.bodies.transfer import decays, potentials
 from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
+from semianalytic.field.plane_wave import plane_wave
 
 SOLID, UPPER, LOWER = (
     sf.Material(*number) for number in ((1.0, 1.0, 1 / 3), (1.0, 1.0, 0.25), (2.5, 1.2, 0.25))
@@ -214,17 +217,45 @@ def test_runs_that_are_saved_or_go_on_know_the_bodies(tmp_path):
     assert 0 < loaded.field_error < 0.1
 
 
-def test_what_is_not_known_is_refused():
-    march = marched("preloaded", 256, estimate=False)
+def test_what_is_not_known_is_refused(monkeypatch):
+    known = marched("preloaded", 256, estimate=False)
     with pytest.raises(sf.SceneError, match=r"y = 0.01 is nearer .*; take 1000 nodes of the line"):
-        march.stress(0.1, [0.3, -0.01], 0.5)
-    assert np.isfinite(march.velocity(0.1, -0.0, 0.5)).all()
-    slow = marched("rate-and-state", 128, end_time=30.0, estimate=False)
-    with pytest.raises(sf.SceneError, match="are too many"):
-        slow.velocity(0.1, 0.3, 20.0)
-    pair = replace(sf.find("pair-slip"), period=8.0, load=sf.IncidentWave("SV", 10.0, stress=0.1))
-    with pytest.raises(sf.SceneError, match="an incident wave sends through two different bodies"):
-        march(pair, 0.2, 64, estimate=False).stress(0.1, 0.3, 0.1)
+        known.stress(0.1, [0.3, -0.01], 0.5)
+    assert np.isfinite(known.velocity(0.1, -0.0, 0.5)).all()
+    monkeypatch.setattr(marched_bodies, "MOST_LEVELS", 256 * 10)
+    with pytest.raises(sf.SceneError, match=r"slip is never slow in the .* before t = 0.5, and"):
+        known.velocity(0.1, 0.3, 0.5)
+
+
+@pytest.mark.parametrize("name", ["pair-slip", "preloaded", "antiplane"])
+def test_the_window_of_an_event_is_part_of_the_whole(name, monkeypatch):
+    """Slow slip and opening before it are static; times far apart have windows of their own."""
+    scene, wave = replace(sf.find(name), period=1.0), np.pi / 32 * np.arange(64)
+    t, shapes = np.linspace(0.0, 60.0, 1201), (np.cos(wave), 0.2 + 0.5 * np.sin(2 * wave))
+    slow = 2e-3 * np.sin(np.minimum(t[1:], 20.0) * np.pi / 40) ** 2
+    rate = (slow + np.exp(-16 * (t[1:] - 50.0) ** 2))[:, None]
+    slip, opening = ((rate * shape).astype(np.float32) for shape in shapes)
+    motion = Motion(t, slip, opening[:, : 0 if scene.antiplane else None])
+    one, times = MarchedBodies(scene, motion, -0.5, 1 / 64), np.array([42.0, 49.5, 50.1, 51.0])
+    at, fields = ([0.04, 0.3], [0.05, -0.1], times[:, None]), ("velocity", "stress", "displacement")
+    whole = [getattr(one, field)(*at) for field in fields]
+    monkeypatch.setattr(marched_bodies, "MOST_LEVELS", 64 * 600)
+    for field, wanted in zip(fields, whole, strict=True):
+        found = getattr(one, field)(*at)
+        for event in (slice(0, 1), slice(1, None)):
+            size = np.abs(wanted[:, event]).max()
+            assert np.abs(found - wanted)[:, event].max() < 5e-3 * size
+
+
+def test_an_incident_wave_goes_through_two_bodies_that_hold():
+    wave = sf.FrontLoad(sf.IncidentWave("P", 20.0, stress=0.1), at=-1.0)
+    pair = replace(sf.find("pair-slip"), friction=sf.Coulomb(0.3, cohesion=9.0), load=wave)
+    one = march(replace(pair, period=8.0, contact=sf.Contact()), 0.5, 64, estimate=False)
+    at = np.array([0.1, -0.3]), np.array([0.3, -0.4]), np.array(0.4)
+    there = at[0] + 1.0, *at[1:]
+    alone = plane_wave(wave.front, pair.bodies, "velocity", there, wave.history)[:2]
+    assert one.velocity(*at).tolist() == alone.tolist()
+    assert np.abs(alone).min() > 1e-3
 
 
 def test_base_that_varies_along_x_is_left_out_of_stress():

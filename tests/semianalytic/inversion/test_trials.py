@@ -15,7 +15,6 @@ from semianalytic.inversion.on_line import RecordedRun, recorded
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import MATERIAL, SETUP, SOLVED, Unknowns
-from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.incident import OF_FRONT
 
 T = np.linspace(0.3, 2.0, 9)
@@ -275,18 +274,15 @@ def test_a_grid_that_gauges_can_see_is_not_converged(truth):
     assert found.status == "converged"
 
 
-def test_gauges_see_between_frames_and_nodes(truth):
-    """Slip between frames is the integral of the rate; t < 0 is before the load."""
-    described = replace(fault(), run={"end_time": 2.5})
-    few = sf.solve(fault(), end_time=2.5, nodes=128, estimate=False, frames=12)
-    seen = RecordedRun(described, few)
-    t = np.linspace(0.1, 2.4, 40)
-    known = truth.slip(0.3, t)
-    assert len(few.interface.t) < 20
-    assert seen.slip(np.full(40, 0.3), t) == pytest.approx(known, abs=2e-3 * known.max())
-    assert seen.slip(np.array([0.0]), np.array([-1.0])).tolist() == [0.0]
+def test_gauges_see_what_was_in_place_before_the_load(truth):
+    seen = RecordedRun(fault(), truth)
+    assert seen.slip(np.array([0.0, 0.3]), np.array([-1.0, 2.0])).tolist() == [
+        0.0,
+        float(truth.slip(0.3, 2.0)),
+    ]
     assert seen.shear_traction(np.array([0.0]), np.array([-1.0])).tolist() == [0.3]
-    other = recorded(with_numbers(described, {"friction_law_dynamic": 0.5}), 32, estimate=False)
+    described = replace(fault(0.5), run={"end_time": 2.5})
+    other = recorded(described, 32, estimate=False)
     assert other.run.interface.slip.max() < truth.interface.slip.max()
 
 
@@ -338,3 +334,29 @@ def test_a_law_of_a_march_beside_a_slot_is_found():
     found = sf.fit(records, guess, "friction_law.dynamic", nodes=512)
     assert found.values[0] == pytest.approx(0.3, abs=3 * found.standard_errors[0])
     assert found.standard_errors[0] < 0.01
+
+
+@pytest.mark.slow
+def test_rate_and_state_is_recovered_from_slip_rates_and_strain():
+    """A march of twice the nodes makes the records; the grid's error is part of the errors."""
+    rock, t = sf.Material(20e9, 2222.0, 0.25), np.linspace(0.2e-3, 3e-3, 29)
+    kick = sf.InterfaceLoad(lambda x: 1e6 * np.exp(-(x**2)), sf.Ramp(2e-4))
+    line = {"contact": sf.Contact(), "period": 24.0, "rate": 1e-6, "even": True}
+
+    def rupture(a, b, distance):
+        law = sf.RateAndState(a=a, b=b, f0=0.6, v0=1e-6, distance=distance)
+        return sf.Scene(rock, law, sf.Tractions(5e6, 3e6), kick, **line)
+
+    true, random, records = np.array([0.010, 0.014, 2e-6]), np.random.default_rng(1), []
+    made = sf.solve(rupture(*true), end_time=3e-3, nodes=256, estimate=False, frames=1000)
+    for x in (1.5, 3.0, 4.5):
+        seen = (made.slip_rate(x, t), "slip_rate", None), (made.strain(x, 0.4, t)[2], "exy", 0.4)
+        for values, of, y in seen:
+            noise = 0.02 * float(np.abs(values).max())
+            noisy = values + noise * random.standard_normal(len(t))
+            records.append(sf.Gauge(x, t, noisy, noise, of, y))
+    names = [f"friction_law.{name}" for name in ("a", "b", "distance")]
+    found = sf.fit(records, rupture(0.012, 0.015, 3e-6), names, nodes=128)
+    assert np.all(np.abs(found.values - true) < 2 * found.standard_errors)
+    assert np.all(found.standard_errors < 0.06 * true)
+    assert found.solutions < 600

@@ -166,9 +166,7 @@ def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({"kind": "viscous"}, "viscous is called coulomb"),
-        ({"kind": "slip-dependent"}, "slip-dependent is called slip-weakening"),
-        ({"kind": "rate-dependent"}, "rate-dependent is called rate-weakening"),
+        ({"kind": "viscous"}, "kind must be one of coulomb"),
         ({"kind": "coulomb", "friction": 0.2}, "friction is friction_law.friction; leave"),
         (WEAKENING | {"reduction": 2}, "between 0 and 1, got 2"),
         (WEAKENING | {"reduction": 0, "dynamic": 0}, "without dynamic"),

@@ -157,7 +157,7 @@ def test_named_lines_begin_and_are_written_as_files(name):
         (GOOD, "nodes = 64", "nodes = 1e9", "scene: run.nodes must be a whole number"),
         (GOOD, "[run]", "[run]\nrtol = -1", "scene: run.rtol must be positive"),
         (GOOD, "period = 8.0", "period = 80.0", "must cover the contact"),
-        (GOOD, "period = 8.0", "length = 8.0", "unknown key length; write period"),
+        (GOOD, "period = 8.0", "length = 8.0", "unknown key length; known are"),
         (GOOD, 'column = "pressure"', 'column = "preasure"', "there is no column"),
         (GOOD, '"p.csv"', '"q.csv"', "q.csv cannot be read"),
         (GOOD, "poisson_ratio = 0.25", "poisson_ratio = 0.7", "poisson_ratio must"),

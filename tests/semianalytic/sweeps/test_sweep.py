@@ -93,9 +93,9 @@ def test_friction_that_falls_with_slip_rate_is_solved_one_by_one():
     """Edges would be followed under the friction at rest, 2 % off."""
     start = replace(PRELOADED, friction=RateWeakening(0.5, 0.3, 5.0))
     swept = sweep(start, [0.6, 0.65, 0.7], 1e-5)
-    for one in swept:
+    for answer in swept:
         np.testing.assert_array_equal(
-            one.edge_speeds, solve_exactly(one.scene, rtol=1e-5).edge_speeds
+            answer.edge_speeds, solve_exactly(answer.scene, rtol=1e-5).edge_speeds
         )
     assert set(swept.status) == {"converged"}
 

@@ -15,10 +15,10 @@ from semianalytic.reference.closed_forms import slip_rate_without_friction
 from semianalytic.regimes import (
     closing_limit,
     closing_poisson_ratio,
+    nucleation,
     regime,
     scene_of,
     viscous_closing,
-    viscous_nucleation,
 )
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.scene import Material
@@ -87,15 +87,15 @@ def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
 @pytest.mark.parametrize("viscosity", [1e-3, 0.3, 10.0])
 def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
     nu = 1 / 3
-    closing, nucleation = viscous_closing(nu, viscosity), viscous_nucleation(nu, viscosity)
+    closing, begins = viscous_closing(nu, viscosity), nucleation("preload", nu, viscosity)
     law = Coulomb(1.0, viscosity=viscosity / 2)
     seen = [
         regime(solve(under(scene_of("preload", nu, chi), law)))
         for chi in (
             closing * (1 - 1e-3),
             closing * (1 + 1e-3),
-            nucleation * (1 - 1e-2),
-            nucleation * (1 + 1e-2),
+            begins * (1 - 1e-2),
+            begins * (1 + 1e-2),
         )
     ]
     assert seen == ["one", "two", "two", "slow"]
