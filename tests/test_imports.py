@@ -24,7 +24,7 @@ ARROWS = {
         "halfplane": "scene",
         "cut": "scene halfplane",
         "separation": "scene halfplane cut",
-        "field": "scene halfplane cut",
+        "field": "scene halfplane cut dissimilar",
         "selfsimilar": "scene results halfplane cut separation field parameters",
         "memory": "scene",
         "parameters": "scene",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.dissimilar.bonded import bonded_waves, stresses
-from semianalytic.engine.stepping.hilbert import analytic
+from semianalytic.halfplane.hilbert import analytic
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.dissimilar.bonded import bonded_tractions
-from semianalytic.engine.stepping.hilbert import comes_back, transformed
+from semianalytic.halfplane.hilbert import comes_back, transformed
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad

@@ -8,8 +8,8 @@ from docs.studies.lines import scene_along
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.dissimilar.compliance import compliance_of
 from semianalytic.engine.stepping.fronts import ActingFront
-from semianalytic.engine.stepping.hilbert import comes_back, transformed
 from semianalytic.field.plane_wave import plane_wave
+from semianalytic.halfplane.hilbert import comes_back, transformed
 from tests.semianalytic.engine.runs import one_run
 
 THIRD = sf.Material(1.0, 1.0, 1 / 3)
