@@ -92,8 +92,8 @@ def _excess(case: Case) -> float:
     x, t = x[slips], t[slips]
     histories = case.at_nodes, case.doubted or case.at_nodes, *(run.interface for run in case.runs)
     earlier = np.maximum(t - case.window, case.seen.t[0])
-    patterns, errors, units = [], [], []
-    for name in ("slip", "slip_rate"):
+    patterns, units = [], []
+    for name in ("slip_rate", "slip"):
         known, *others = (interpolated(one, name, x, t) for one in histories)
         if size := _sum(known):
             before = interpolated(case.at_nodes, name, x, earlier)
@@ -101,10 +101,8 @@ def _excess(case: Case) -> float:
             doubt, fine, half, coarse = ((other - known) / size for other in others)
             changes = _sum(half - fine), _sum(coarse - half) / 2, _sum(coarse - fine) / 3
             units.append(min(changes) + least_error(case) + _sum(doubt))
-            errors.append((fine, half, coarse))
-    fine, half, coarse = errors[0]
-    growth = np.clip(_sum(half) / (_sum(fine) + TINY), *GROWTH)
-    off = _common(coarse, patterns[0]) - growth * _common(half, patterns[0])
+    growth = np.clip(_sum(half) / (_sum(fine) + TINY), *GROWTH)  # those of slip
+    off = _common(coarse, patterns[-1]) - growth * _common(half, patterns[-1])
     both = zip(patterns, units, strict=True)
     return max(_sum(pattern @ off) / unit for pattern, unit in both) / LARGEST
 
