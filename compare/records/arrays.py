@@ -190,7 +190,7 @@ def records_of_arrays(
     stations, mended = stations_of(path, x, t, fitted)
     notes = (*known.notes, *more, *mended)
     # arrays of other shapes hold no quantity of these times and positions
-    shapes = {shape for one in columns.values() for shape in (one.shape, one.shape[::-1])}
+    shapes = {shape for column in columns.values() for shape in (column.shape, column.shape[::-1])}
     unread = tuple(name for name in known.unread if np.shape(arrays[name]) in shapes)
     return Records(stations, None, str(path), notes, stated=stated, unread=unread)
 

@@ -64,13 +64,14 @@ def bonded_waves(wave: IncidentWave, upper: Material, lower: Material) -> list[B
             part = (p, q) if c == body.longitudinal_speed else (q, -p)
             sent.append(BondedWave(side > 0, (p, q), (c * part[0], c * part[1])))
     # the upper state less the lower one vanishes, the incident wave being a part of its body
-    columns = [_state(upper if one.is_above else lower, one) for one in sent]
-    matrix = np.stack([c if one.is_above else -c for c, one in zip(columns, sent, strict=True)], 1)
+    columns = [_state(upper if wave.is_above else lower, wave) for wave in sent]
+    pairs = zip(columns, sent, strict=True)
+    matrix = np.stack([c if wave.is_above else -c for c, wave in pairs], 1)
     known = _state(source, incoming) * (1 if from_above else -1)
     amplitudes = np.linalg.solve(matrix, -known).tolist()
     return [incoming] + [
-        one._replace(motion=(size * one.motion[0], size * one.motion[1]))
-        for size, one in zip(amplitudes, sent, strict=True)
+        wave._replace(motion=(size * wave.motion[0], size * wave.motion[1]))
+        for size, wave in zip(amplitudes, sent, strict=True)
     ]
 
 
@@ -98,7 +99,7 @@ def bonded_tractions(
     (-1.333333333333, 0.0)
     """
     waves = bonded_waves(wave, upper, lower)
-    total = np.sum([_state(upper, one) for one in waves if one.is_above], axis=0)
+    total = np.sum([_state(upper, wave) for wave in waves if wave.is_above], axis=0)
     return complex(-total[3]), complex(total[2])
 
 

@@ -51,11 +51,11 @@ def plane_wave(
         parts: list[Any] = [((n_x, n_y), sizes, everywhere)]
     else:
         parts = []
-        for one in bonded_waves(wave, bodies[0], bodies[1]):
-            sizes = np.array([*one.motion, 0.0])
+        for entry in bonded_waves(wave, bodies[0], bodies[1]):
+            sizes = np.array([*entry.motion, 0.0])
             if quantity == "stress":
-                sizes = np.array([*stresses(bodies[not one.is_above], one), 0.0, 0.0])
-            parts.append((one.slowness, sizes, np.signbit(y) != one.is_above))
+                sizes = np.array([*stresses(bodies[not entry.is_above], entry), 0.0, 0.0])
+            parts.append((entry.slowness, sizes, np.signbit(y) != entry.is_above))
     decays = any(np.imag(slowness[1]) or np.imag(sizes).any() for slowness, sizes, _ in parts)
     for (p, q), sizes, here in parts:
         lag = (t - np.real(p) * x - np.real(q) * y)[here]

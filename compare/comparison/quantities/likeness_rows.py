@@ -94,7 +94,7 @@ def _excess(case: Case) -> float:
     earlier = np.maximum(t - case.window, case.seen.t[0])
     patterns, units = [], []
     for name in ("slip_rate", "slip"):
-        known, *others = (interpolated(one, name, x, t) for one in histories)
+        known, *others = (interpolated(history, name, x, t) for history in histories)
         if size := _sum(known):
             before = interpolated(case.at_nodes, name, x, earlier)
             patterns.append(np.stack([known, known - before], axis=1) / size)

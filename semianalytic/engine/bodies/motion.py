@@ -69,7 +69,7 @@ class Motion:
                 for late, early in pairwise(rows)
             )
             if max(changes) <= largest:
-                later = (one[row:last] - one[row - 1] for one in (slip, self.opening))
+                later = (field[row:last] - field[row - 1] for field in (slip, self.opening))
                 earlier = Motion(t[: row + 1], slip[:row], self.opening[:row])
                 return earlier, Motion(t[row : last + 1], *later)
         return None

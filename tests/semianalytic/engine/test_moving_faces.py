@@ -236,12 +236,12 @@ def test_the_window_of_an_event_is_part_of_the_whole(name, monkeypatch):
     rate = (slow + np.exp(-16 * (t[1:] - 50.0) ** 2))[:, None]
     slip, opening = ((rate * shape).astype(np.float32) for shape in shapes)
     motion = Motion(t, slip, opening[:, : 0 if scene.antiplane else None])
-    one, times = MarchedBodies(scene, motion, -0.5, 1 / 64), np.array([42.0, 49.5, 50.1, 51.0])
+    two, times = MarchedBodies(scene, motion, -0.5, 1 / 64), np.array([42.0, 49.5, 50.1, 51.0])
     at, fields = ([0.04, 0.3], [0.05, -0.1], times[:, None]), ("velocity", "stress", "displacement")
-    whole = [getattr(one, field)(*at) for field in fields]
+    whole = [getattr(two, field)(*at) for field in fields]
     monkeypatch.setattr(marched_bodies, "MOST_LEVELS", 64 * 600)
     for field, wanted in zip(fields, whole, strict=True):
-        found = getattr(one, field)(*at)
+        found = getattr(two, field)(*at)
         for event in (slice(0, 1), slice(1, None)):
             size = np.abs(wanted[:, event]).max()
             assert np.abs(found - wanted)[:, event].max() < 5e-3 * size
@@ -250,11 +250,11 @@ def test_the_window_of_an_event_is_part_of_the_whole(name, monkeypatch):
 def test_an_incident_wave_goes_through_two_bodies_that_hold():
     wave = sf.FrontLoad(sf.IncidentWave("P", 20.0, stress=0.1), at=-1.0)
     pair = replace(sf.find("pair-slip"), friction=sf.Coulomb(0.3, cohesion=9.0), load=wave)
-    one = march(replace(pair, period=8.0, contact=sf.Contact()), 0.5, 64, estimate=False)
+    run = march(replace(pair, period=8.0, contact=sf.Contact()), 0.5, 64, estimate=False)
     at = np.array([0.1, -0.3]), np.array([0.3, -0.4]), np.array(0.4)
     there = at[0] + 1.0, *at[1:]
     alone = plane_wave(wave.front, pair.bodies, "velocity", there, wave.history)[:2]
-    assert one.velocity(*at).tolist() == alone.tolist()
+    assert run.velocity(*at).tolist() == alone.tolist()
     assert np.abs(alone).min() > 1e-3
 
 
