@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -26,7 +27,7 @@ class Statistics:
     pivots : int
         Pivots of the complementarity problem on the grid of one body.
     residual, smallest_singular_value : float
-        Residual of the equations of two bodies, and their smallest singular value; 0 and 1 of one.
+        Residual of the equations of two bodies, and their smallest singular value; nan of one.
 
     Examples
     --------
@@ -45,5 +46,5 @@ class Statistics:
     nodes: int
     seconds: dict[str, float]
     pivots: int = 0
-    residual: float = 0.0
-    smallest_singular_value: float = 1.0
+    residual: float = math.nan
+    smallest_singular_value: float = math.nan

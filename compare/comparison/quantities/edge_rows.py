@@ -40,8 +40,8 @@ EDGE_FLOOR = 0.25
 """Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Among 220
 edges measured one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
 half this value there would have been four more."""
-SHALLOW = "the gap changes from mesh to mesh at its end by more than it is anywhere"
-"""Obstacle of an end of an opening that cannot be read off."""
+SHALLOW = "the {what} changes from mesh to mesh at its end by more than it is anywhere"
+"""Obstacle of an end of a zone or an opening that cannot be read off."""
 NEARBY = 0.5
 """Part of a zone, or of the gap next to it, up to which edges of two meshes count as the same."""
 LEAST_SEEN = 4
@@ -166,7 +166,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
     read = partial(_edge_velocity, case, part, end, seen)
     cell = case.simulation.element_size / case.length
     exact = getattr(part, end) / case.length
-    read_off = read_off_bar(case, part, end) if isinstance(part, OpenInterval) else 0.0
+    read_off = read_off_bar(case, part, end)
     row = value_row(
         case,
         name,
@@ -185,39 +185,43 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
         enough = math.ceil(NARROW * case.length / obstacle.width) if obstacle.width > 0 else None
         return replace(row, obstacle=reason, resolution=enough)
     if math.isinf(read_off):
-        return replace(row, obstacle=SHALLOW, resolution=2 * case.simulation.resolution)
+        what = "gap" if isinstance(part, OpenInterval) else "slip rate"
+        finer = 2 * case.simulation.resolution
+        return replace(row, obstacle=SHALLOW.format(what=what), resolution=finer)
     if row.verdict == "differs" and isinstance(part, SlipInterval):
         return replace(row, obstacle=_weakness(case, part))
     return row
 
 
-def read_off_bar(case: Case, part: OpenInterval, end: str) -> float:
-    """Return how far in c_t an end ("start" or "end") of an opening moves if only gaps above their
-    own error bar are trusted.
+def read_off_bar(case: Case, part: Part, end: str) -> float:
+    """Return how far in c_t an end ("start" or "end") of a zone or an opening moves if only slip
+    rates, or gaps, above their own error bar are trusted.
 
-    An end is continued from the first gaps above a level (`OPEN_FROM`).  The error bar of the gap
-    is taken where prediction and simulation have the end, and the larger one of their moves counts.
-    It is infinite where the opening gapes by less than that bar, 0 where there is no coarser mesh
-    or neither answer shows the opening.
+    An end is read where they pass a level (`READ_FROM`, `OPEN_FROM`).  Their error bar is taken
+    where prediction and simulation have the end, and the larger one of the moves counts.  It is
+    infinite where no more than that bar is seen, 0 where there is no coarser mesh or neither answer
+    shows the part.
     """
+    name, seen = ("gap", _openings) if isinstance(part, OpenInterval) else ("slip_rate", _zones)
     shown = [
         (history, edge)
         for history in (case.at_nodes, case.seen)
-        if (edge := _edge_velocity(case, part, end, partial(_openings, case), history)) is not None
+        if (edge := _edge_velocity(case, part, end, partial(seen, case), history)) is not None
     ]
     runs = [run.interface for run in case.runs]
     if not shown or len(runs) < 2:
         return 0.0
     t = case.seen.t[_late_levels(case, case.seen)]
+    # gaps of a self-similar scene grow with time, slip rates along x = v t are constant
+    grown = t / case.end_time if name == "gap" else np.ones(len(t))
     errors = []
     for _, edge in shown:
         x = edge * case.scene.material.shear_speed * t
-        # gaps of a self-similar scene grow with time
-        gaps = [case.end_time * interpolated(run, "gap", x, t) / t for run in runs]
-        changes = [float(np.median(np.abs(fine - coarse))) for fine, coarse in pairwise(gaps)]
+        values = [interpolated(run, name, x, t) / grown for run in runs]
+        changes = [float(np.median(np.abs(fine - coarse))) for fine, coarse in pairwise(values)]
         error = error_bar(changes)
         errors.append(min(error.size, error.limit))
-    above = partial(_openings, case, more=max(errors))
+    above = partial(seen, case, more=max(errors))
     moved = []
     for history, edge in shown:
         inner = _edge_velocity(case, part, end, above, history)
@@ -318,10 +322,13 @@ def _edge_velocity(
     return middle / case.scene.material.shear_speed if math.isfinite(middle) else None
 
 
-def _zones(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInterval, ...]:
-    """Slip zones that a history shows at a level, in velocities x/t."""
+def _zones(
+    case: Case, history: InterfaceHistory, level: int, more: float = 0.0
+) -> tuple[SlipInterval, ...]:
+    """Slip zones that a history shows at a level, in velocities x/t; those that slip by so much
+    faster than what counts [length / time], if given."""
     velocity = history.x / history.t[level]
-    return slip_intervals(velocity, history.rubbing_rate[level], _read_from(case))
+    return slip_intervals(velocity, history.rubbing_rate[level], _read_from(case) + more)
 
 
 def _read_from(case: Case) -> float:

@@ -46,7 +46,7 @@ def test_points_that_stand_for_many_nodes_leave_cauchy_integrals_as_they_are(mon
     """Sums over all nodes are the reference, relative to the sums of the moduli of their terms."""
     factors, zones = two_zones(0.25, gap)
     panels = lay_panels(factors, zones, RULE)
-    pairs = panels.layout.pairs_from(tuple(range(len(panels.left))))
+    pairs = panels.layout.pairs_from(np.arange(len(panels.left)))
     # falls like (v - left)^(1/2) at the left end, and like v^(-1/2) on the unbounded panel
     density = panels.jacobian * np.sqrt(panels.rule.share) / panels.at.v**1.5
     few = panels.cauchy(pairs, density[pairs.source])
@@ -74,7 +74,7 @@ def test_cauchy_integrals_between_panels(nu, gap, source):
     width = float(panels.widths[chosen, 0])
     share = panels.from_left[chosen] / width
     weights = panels.jacobian[chosen] * share * (1 - share)
-    pairs = panels.layout.pairs_from((chosen,))
+    pairs = panels.layout.pairs_from(np.array([chosen]))
     found = panels.cauchy(pairs, np.array([weights] * len(pairs.source)))
     for row, target in zip(found, pairs.target, strict=True):
         for node in range(len(row) // 5, len(row), len(row) // 4):
@@ -92,7 +92,7 @@ def test_far_nodes_are_left_to_the_panels_around_a_narrow_gap():
     panels = lay_panels(factors, zones, RULE)
     assert panels.rule.further > 20
     weights = panels.jacobian[0] * (1 - panels.from_left[0] / panels.widths[0])
-    pairs = panels.layout.pairs_from((0,))
+    pairs = panels.layout.pairs_from(np.array([0]))
     rows = np.array([weights] * len(pairs.source))
     found = panels.cauchy(pairs, rows)
     own = panels.from_right[0]
