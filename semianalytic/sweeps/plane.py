@@ -10,14 +10,14 @@ the point is solved from scratch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import itemgetter
 from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.load import common_load, contact_opens, scaled_load
+from semianalytic.cut.load import Load, common_load, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
@@ -51,7 +51,13 @@ rule, or on the loose rule alone."""
 class Plane:
     """The solutions so far of scenes that differ in friction and Poisson ratio, or in friction."""
 
-    def __init__(self, scenes: Sequence[Scene], rtol: float, unit: float | None = None) -> None:
+    def __init__(
+        self,
+        scenes: Sequence[Scene],
+        rtol: float,
+        unit: float | None = None,
+        loads: Mapping[float, tuple[Load, float]] | None = None,  # known ones, by friction
+    ) -> None:
         self.scenes, self.rtol = scenes, rtol
         self.loose = rule_for(loose_tolerance(rtol))
         ratio = np.array([scene.material.poisson_ratio for scene in scenes])
@@ -82,7 +88,8 @@ class Plane:
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
         # Loads do not depend on the Poisson ratio.
         _, first, own = np.unique(friction, return_index=True, return_inverse=True)
-        each = [scaled_load(scenes[i]) for i in first]
+        known = loads or {}
+        each = [known.get(scenes[i].coefficient) or scaled_load(scenes[i]) for i in first]
         self.loads = [each[number] for number in own]
         self.unit = unit or min(unit for _, unit in each)
         self.load = common_load(scenes, self.unit)
@@ -102,7 +109,8 @@ class Plane:
         """Return a plane of these scenes too, of other frictions, which the known ones help."""
         every = {scene.coefficient: scene for scene in (*scenes, *self.scenes)}
         places = {friction: i for i, friction in enumerate(sorted(every))}
-        longer = Plane([every[friction] for friction in places], self.rtol, self.unit)
+        loads = dict(zip((scene.coefficient for scene in self.scenes), self.loads, strict=True))
+        longer = Plane([every[friction] for friction in places], self.rtol, self.unit, loads)
         for name in ("solutions", "origin", "zones"):
             for i, known in getattr(self, name).items():
                 getattr(longer, name)[places[self.scenes[i].coefficient]] = known
@@ -112,9 +120,10 @@ class Plane:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         # Points are nowhere asked to lie on a grid: the nearest ones to a lattice stand for it.
         # The first has three points to a side, each further one twice as many spaces.
-        left, spaces = np.ones(len(self.scenes), dtype=bool), 2
-        everywhere, sides = Neighbourhood(self.places), self.places.shape[1]
-        while (spaces + 1) ** sides < len(self.scenes):
+        # Where others are known already, what is left may be few.
+        left, spaces = self._unsolved(np.arange(len(self.scenes))), 2
+        everywhere, sides, count = Neighbourhood(self.places), self.places.shape[1], left.sum()
+        while (spaces + 1) ** sides < count:
             side = np.linspace(0, 1, spaces + 1)
             lattice = np.stack(np.meshgrid(*[side] * sides), axis=-1).reshape(-1, sides)
             nearest = np.unique(everywhere.nearest(lattice, 1))
@@ -127,16 +136,18 @@ class Plane:
 
     def _advance(self, targets: np.ndarray) -> None:
         """Solve some points with the help of those that are known."""
-        if self.zones:
-            # The whole level twice: what is found the first time helps what is left.
-            for _ in range(2):
-                left: dict[Pattern, list[Predictions]] = {}
-                for rank in range(2):  # of the nearest known points
-                    for pattern, (some, certain) in self._patterns(targets, rank).items():
-                        left.setdefault(pattern, []).append(self._follow(pattern, certain, some))
-                for pattern, parts in left.items():
-                    rest = joined(parts)
-                    self._compute(pattern, rest[self._unsolved(rest.points)])
+        # The whole level twice: what is found the first time helps what is left.
+        for _ in range(2):
+            targets = targets[self._unsolved(targets)]
+            if not (self.zones and len(targets)):
+                break
+            left: dict[Pattern, list[Predictions]] = {}
+            for rank in range(2):  # of the nearest known points
+                for pattern, (some, certain) in self._patterns(targets, rank).items():
+                    left.setdefault(pattern, []).append(self._follow(pattern, certain, some))
+            for pattern, parts in left.items():
+                rest = joined(parts)
+                self._compute(pattern, rest[self._unsolved(rest.points)])
         self._from_scratch([int(i) for i in targets if i not in self.origin])
 
     def _unsolved(self, points: np.ndarray) -> np.ndarray:
