@@ -312,9 +312,11 @@ class Case:
         jumps after t = 0 slip rates jump at its fronts within the contact, which meshes smear over
         an element: of first order as well, 1.39 on the meshes of `pulse`.
         """
-        histories = () if self.scene.on_line else self.scene.acting_histories.values()
-        late = any(at > 0 for history in histories for at, _ in history.pieces.jumps)
-        return LARGEST_ORDER if kind == "slip rate" and not late else 1.0
+        scene = self.prediction.scene
+        histories = () if scene.on_line else scene.acting_histories.values()
+        jumps = [at for history in histories for at, _ in history.pieces.jumps]
+        late = scene.jumps if scene.on_line else [at for at in jumps if at > 0]
+        return 1.0 if late or kind != "slip rate" else LARGEST_ORDER
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a run, by number, at which a field is compared over time: beyond the
