@@ -53,7 +53,10 @@ ELSEWHERE = (
 """Asked below with other arguments, or of other objects; pyplot draws in one thread alone."""
 IN_BODIES = ("velocity", "stress", "strain", "displacement")
 RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
-FITTED = {"log_density": {"values": np.array([0.31])}}
+FITTED = {
+    "log_density": {"values": np.array([0.31])},
+    "error_in_words": {"number": 0, "factor": 1.0},
+}
 SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
 
 Question = Callable[[Any], Any]

@@ -37,7 +37,7 @@ def main(folder: Path = Path("."), *, side: int = 100) -> float:
     for x, y, words in ((0.13, 0.4, "two zones"), (0.6, 0.3, "one zone")):
         axes.text(x, y, words, path_effects=outline())
     axes.set(xlabel="friction $f P_b / Q_0$", ylabel="Poisson ratio ν")
-    figure.colorbar(drawn, label="edge of the first zone $/ c_R$")
+    figure.colorbar(drawn, label="edge of the first zone over $c_R$")
     describe(figure, "ν = 0.1 to 0.45, f = 0.1 to 0.9, shear step on constant pressure")
     figure.savefig(folder / "survey_map.png", dpi=100)
     low, high = float(speed.min()), float(speed.max())

@@ -40,8 +40,8 @@ EDGE_FLOOR = 0.25
 """Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Among 220
 edges measured one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
 half this value there would have been four more."""
-SHALLOW = "the {what} changes from mesh to mesh at its end by more than it is anywhere"
-"""Obstacle of an end of a zone or an opening that cannot be read off."""
+SHALLOW = "the gap changes from mesh to mesh at its end by more than it is anywhere"
+"""Obstacle of an end of an opening that cannot be read off."""
 NEARBY = 0.5
 """Part of a zone, or of the gap next to it, up to which edges of two meshes count as the same."""
 LEAST_SEEN = 4
@@ -167,6 +167,8 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
     cell = case.simulation.element_size / case.length
     exact = getattr(part, end) / case.length
     read_off = read_off_bar(case, part, end)
+    if math.isinf(read_off) and isinstance(part, SlipInterval):
+        read_off = 0.0  # a sharp edge, whose own changes from mesh to mesh say how far it moves
     row = value_row(
         case,
         name,
@@ -185,9 +187,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
         enough = math.ceil(NARROW * case.length / obstacle.width) if obstacle.width > 0 else None
         return replace(row, obstacle=reason, resolution=enough)
     if math.isinf(read_off):
-        what = "gap" if isinstance(part, OpenInterval) else "slip rate"
-        finer = 2 * case.simulation.resolution
-        return replace(row, obstacle=SHALLOW.format(what=what), resolution=finer)
+        return replace(row, obstacle=SHALLOW, resolution=2 * case.simulation.resolution)
     if row.verdict == "differs" and isinstance(part, SlipInterval):
         return replace(row, obstacle=_weakness(case, part))
     return row
