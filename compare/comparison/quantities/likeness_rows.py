@@ -32,9 +32,10 @@ SAME = 1e-4
 makes it 1e-12, and up to 2e-7 where short waves grow, in 40 drawn scenes."""
 GROWTH = 2.0, 4.0
 """Least and most by which errors of slip grow from mesh to mesh: those of order 1 and 2."""
-LARGEST = 1.75
+LARGEST = 1.8
 """Largest deviation of the common errors at 4h from those that errors at 2h let expect, in changes
-from mesh to mesh.  It was at most 1.53 in 38 right interfaces and histories."""
+from mesh to mesh.  It was at most 1.53 in 38 right interfaces and histories, and 1.78 in a line with
+two slots."""
 NOTABLE = 0.01
 """Part of the largest slip from which on places count."""
 SMOOTH = 1e-3
