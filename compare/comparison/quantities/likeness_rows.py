@@ -34,7 +34,7 @@ GROWTH = 2.0, 4.0
 """Least and most by which errors of slip grow from mesh to mesh: those of order 1 and 2."""
 LARGEST = 1.8
 """Largest deviation of the common errors at 4h from those that errors at 2h let expect, in changes
-from mesh to mesh.  It was at most 1.53 in 38 right interfaces and histories, and 1.78 in a line with
+from mesh to mesh.  It was at most 1.53 in 38 right interfaces and histories, 1.78 in a line with
 two slots."""
 NOTABLE = 0.01
 """Part of the largest slip from which on places count."""
