@@ -121,6 +121,15 @@ def march(
         Called with time and end time after each step of a march, not of its companion; if it
         returns True the march ends there, beside a slot one step later where its companion has no
         level, and may be continued.
+
+    Returns
+    -------
+    Marched
+        Slip, tractions and totals along the interface, the fields in both bodies, and an error
+        estimate.
+
+    Other Parameters
+    ----------------
     length : float, optional
         Beside a slot, length of the contact that is observed [length]; by default the distance that
         waves reach, c_l T (c_t T under antiplane shear alone).
@@ -145,14 +154,8 @@ def march(
         Along a line, |slip rate| beyond which slip has begun [length / time].  By default it is 0
         for laws that stick, and a thousandth of the largest pressure over the impedance for
         rate-and-state friction, which always slips.
-    sweeps, state_share, bound_share, longest
+    sweeps, state_share, bound_share, longest : optional
         Along a line, those of `Stepper`.
-
-    Returns
-    -------
-    Marched
-        Slip, tractions and totals along the interface, the fields in both bodies, and an error
-        estimate.
 
     Raises
     ------
