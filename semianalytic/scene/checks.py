@@ -196,13 +196,6 @@ def check_keys(
             raise SceneError(f"{prefix}{key} is missing.")
 
 
-def check_numbers(prefix: str, table: Mapping[str, Any], words: Collection[str] = ()) -> None:
-    """Raise SceneError unless all values of a table are finite numbers, but for those of words."""
-    for key, value in table.items():
-        if key not in words and finite(value) is None:
-            raise SceneError(f"{prefix}{key} must be a number, got {shown(value)}.")
-
-
 def checked_table(name: str, value: Any) -> dict[str, Any]:
     """Return a table; raise SceneError if it is something else."""
     if not isinstance(value, Mapping):

@@ -19,8 +19,9 @@ that the two integrals add instead of cancelling.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -28,7 +29,6 @@ from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
-from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -49,6 +49,22 @@ def local_impedance(material: Material, mode: Mode) -> float:
     """Return M(0), the traction per face velocity of a plane wave, rho c_t or in mode I rho c_l."""
     speed = material.longitudinal_speed if mode == "I" else material.shear_speed
     return material.density * speed
+
+
+def square_root_panels(ends: Iterable[float], order: int) -> tuple[Array, Array]:
+    """Return nodes and weights (n,) on panels whose integrand may have square-root ends.
+
+    The ends increase, and empty panels are left out.  With `order` Gauss nodes per panel in theta,
+    xi = left + (right - left) sin^2 theta.
+    """
+    t, weight = gauss(order)
+    share, jacobian = np.sin(t * np.pi / 2) ** 2, np.sin(t * np.pi) * np.pi / 2 * weight
+    nodes, weights = [np.zeros(0)], [np.zeros(0)]
+    for left, right in pairwise(ends):
+        if right > left:
+            nodes.append(left + (right - left) * share)
+            weights.append((right - left) * jacobian)
+    return np.concatenate(nodes), np.concatenate(weights)
 
 
 def _panels(count: int) -> tuple[Array, Array]:

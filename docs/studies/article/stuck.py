@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from docs.studies.article.kernels import square_root_panels
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 from semianalytic.halfplane.stuck_histories import superposed
-from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.results.intervals import contact_points
 from semianalytic.scene.loads import LoadHistory, Wave
 from semianalytic.scene.scene import Material

@@ -25,9 +25,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from docs.studies.article.kernels import square_root_panels
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
-from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 

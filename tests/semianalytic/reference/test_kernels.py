@@ -6,12 +6,16 @@ import pytest
 from catalogue import unit_scene
 
 from docs.studies.article.cases import slot_errors, slot_rows
-from docs.studies.article.kernels import SlipHistory, interface_traction, local_impedance
+from docs.studies.article.kernels import (
+    SlipHistory,
+    interface_traction,
+    local_impedance,
+    square_root_panels,
+)
 from docs.studies.article.stuck import stuck_pressure, stuck_shear
 from semianalytic import Material
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tabulated import Tabulated
 from semianalytic.selfsimilar.solver import solve
