@@ -6,18 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import chebyshev_series, gauss
 from semianalytic.halfplane.rayleigh import Array, Mode, RayleighFactors, rayleigh_factors
-from semianalytic.halfplane.stuck import (
-    ARCTAN_SERIES,
-    NEAR_FRONT,
-    StuckTraction,
-    series_behind_front,
-    stuck_traction,
-)
+from semianalytic.halfplane.stuck import StuckTraction, series_behind_front, stuck_traction
 
 
 @dataclass(frozen=True)
@@ -76,21 +70,7 @@ class StuckPrimitive:
         return result
 
 
-class AntiplanePrimitive(StuckPrimitive):
-    """The primitive of q* in mode III, (2/pi) (2 r^3/3 + r - (r^2 + 1) arctan r), r^2 = u/b - 1."""
-
-    def __call__(self, u: ArrayLike) -> Array:
-        """Return the primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
-        z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
-        root, terms = np.sqrt(z), 2 * ARCTAN_SERIES / (5 + 2 * np.arange(len(ARCTAN_SERIES)))
-        # The primitive of the series of r - arctan r, term by term, where the closed form cancels.
-        series = z * z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), terms)
-        direct = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
-        return np.asarray(2 / np.pi * np.where(z < NEAR_FRONT, series, direct))
-
-
 @lru_cache(maxsize=64)
 def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
-    """Return the primitive of p* (mode I) or q* (modes II and III); its tables are cached."""
-    kind = AntiplanePrimitive if mode == "III" else StuckPrimitive
-    return kind(rayleigh_factors(poisson_ratio), mode)
+    """Return the primitive of p* (mode I) or q* (mode II); its tables are cached."""
+    return StuckPrimitive(rayleigh_factors(poisson_ratio), mode)

@@ -9,17 +9,24 @@ fronts.  Tractions are what the load adds to the base; with base = P_0 f remote,
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from docs.studies.article.kernels import square_root_panels
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import Array, Mode
-from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
+from semianalytic.halfplane.stuck import (
+    ARCTAN_SERIES,
+    NEAR_FRONT,
+    StuckTraction,
+    stuck_traction,
+)
 from semianalytic.halfplane.stuck_histories import superposed
 from semianalytic.results.intervals import contact_points
 from semianalytic.scene.loads import LoadHistory, Wave
@@ -32,6 +39,24 @@ class StuckHistory:
 
     value: Array
     error: float
+
+
+def antiplane_primitive(u: ArrayLike) -> Array:
+    """Return the primitive of q* in mode III at slowness u [1/b], 0 ahead of the shear front.
+
+    It is (2/pi) (2 r^3/3 + r - (r^2 + 1) arctan r), r^2 = u/b - 1.
+    """
+    z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
+    root, terms = np.sqrt(z), 2 * ARCTAN_SERIES / (5 + 2 * np.arange(len(ARCTAN_SERIES)))
+    # The primitive of the series of r - arctan r, term by term, where the closed form cancels.
+    series = z * z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), terms)
+    direct = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
+    return np.asarray(2 / np.pi * np.where(z < NEAR_FRONT, series, direct))
+
+
+def primitive_of(poisson_ratio: float, mode: Mode) -> Callable[[ArrayLike], Array]:
+    """Return the primitive of p* (mode I) or q* (modes II and III) over slowness, b = 1."""
+    return antiplane_primitive if mode == "III" else stuck_primitive(poisson_ratio, mode)
 
 
 def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) -> float:
@@ -70,7 +95,7 @@ def _stuck(
     stuck = stuck_traction(material.poisson_ratio, mode)
     per = x / material.shear_speed
     pieces = history.pieces
-    primitive = stuck_primitive(material.poisson_ratio, mode)
+    primitive = primitive_of(material.poisson_ratio, mode)
     total = superposed(pieces.jumps, lambda lag: stuck(lag / per), t)
     total += superposed(pieces.kinks, lambda lag: per * primitive(lag / per), t)
     error = 0.0

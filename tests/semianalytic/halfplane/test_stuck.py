@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from docs.studies.article.stuck import primitive_of
 from semianalytic import Material, Tractions
-from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
 
@@ -79,7 +79,7 @@ def test_nothing_comes_ahead_of_the_first_wave(mode):
     ahead = np.array([-1.0, 0.0, 0.5, 0.99]) * (1.0 if mode == "III" else traction.factors.a)
     assert np.all(traction(ahead) == 0)
     assert np.all(traction.derivative(ahead) == 0)
-    assert np.all(stuck_primitive(0.3, mode)(ahead) == 0)
+    assert np.all(primitive_of(0.3, mode)(ahead) == 0)
 
 
 def test_stress_intensity_is_the_limit_at_the_edge():

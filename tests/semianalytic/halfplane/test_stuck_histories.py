@@ -10,9 +10,8 @@ import pytest
 from catalogue import UNIT
 from scipy.integrate import quad
 
-from docs.studies.article.stuck import near_field, stuck_pressure, stuck_shear
+from docs.studies.article.stuck import near_field, primitive_of, stuck_pressure, stuck_shear
 from semianalytic import Tractions
-from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
 from semianalytic.halfplane.stuck_histories import intensity_history
@@ -33,7 +32,7 @@ STUCK = {"I": stuck_pressure, "II": stuck_shear, "III": partial(stuck_shear, she
 @pytest.mark.parametrize("mode", ["I", "II", "III"])
 @pytest.mark.parametrize("nu", [-0.4, 1 / 3, 0.45])
 def test_primitive(nu, mode):
-    primitive, stuck = stuck_primitive(nu, mode), stuck_traction(nu, mode)
+    primitive, stuck = primitive_of(nu, mode), stuck_traction(nu, mode)
     a = rayleigh_factors(nu).a
 
     def integral(left, right):
