@@ -66,17 +66,12 @@ class Phase:
 
 @dataclass(frozen=True)
 class CanonicalFunction:
-    """X on the panels of slip zones, and the impedance there, b = mu = 1.
-
-    Attributes
-    ----------
-    resistance : array that broadcasts to (p, ..., n), or None
-        eta = dtau/d|V| at the nodes [mu b], of the one-sided slip rate; None if strength does not
-        depend on slip rate.  Slip that covers c is then to be cut there.
-    """
+    """X on the panels of slip zones, and the impedance there, b = mu = 1."""
 
     factors: RayleighFactors
     panels: Panels
+    # eta = dtau/d|V| at the nodes [mu b], of the one-sided slip rate, of a shape that broadcasts to
+    # (p, ..., n); None if strength does not depend on slip rate.  Slip that covers c is cut there.
     resistance: Array | None = None
 
     @property

@@ -23,27 +23,17 @@ CRITICAL_BASE = 1e-14
 
 @dataclass(frozen=True)
 class Opened:
-    """Open part of a contact, with the solution of the normal problem.
+    """Open part of a contact, with the solution of the normal problem."""
 
-    Attributes
-    ----------
-    zone : Zone
-        Open part, with sense 1; right None is the contact edge.
-    closing : tuple of (edge, r)
-        Terms r / (k + edge) of the normal problem where the contact closes.
-    base, step, slowness : float
-        P_b, P_0 [stress unit], and the slowness p of the front of the load.
-    pressure : function
-        Contact pressure [stress unit] at points on the cut, any shape.
-    known : (2, n) array
-        Increasing slownesses and the pressures there, dense enough for interpolation.
-    """
-
-    zone: Zone
+    zone: Zone  # open part, with sense 1; right None is the contact edge
+    # terms r / (k + edge) of the normal problem where the contact closes
     closing: tuple[tuple[CutPoints, float], ...]
+    # P_b, P_0 [stress unit], and the slowness p of the front of the load
     base: float
     step: float
+    # contact pressure [stress unit] at points on the cut, any shape
     pressure: Callable[[CutPoints], Array]
+    # increasing slownesses and the pressures there, dense enough for interpolation, (2, n)
     known: Array
     slowness: float = 0.0
 
@@ -72,33 +62,28 @@ class Load:
     """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
 
     For k sets of zones that differ in friction, friction and far_slip_rate are (k, 1) arrays.
-
-    Attributes
-    ----------
-    friction : coefficient f
-    base_pressure, base_shear : P_b, Q_b [stress unit]; compression and sigma_xy positive
-    load_pressure, load_shear : P_0, Q_0 [stress unit]
-    far_slip_rate : V(inf), one-sided [stress unit / (mu b)]
-    resistance : eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or
-        (p, ..., n) at the nodes of panels; None if strength does not depend on slip rate
-    given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
-        [stress unit]; None without.  It goes with resistance: without it V would jump at c by
-        -pi g'(c) / m'(c), m = M / i, where it slips.
-    linearised : LinearisedStrength, which gives both on whatever panels; None without
-    opened : Opened, where the contact is open and what its pressure is; None if it is closed
-    slowness : p, that of the front of the load over the slot [b]; 0 for a load that comes at once
     """
 
-    friction: float | Array
+    friction: float | Array  # coefficient f
+    # P_b, Q_b [stress unit]; compression and sigma_xy positive
     base_pressure: float
     base_shear: float
+    # P_0, Q_0 [stress unit]
     load_pressure: float
     load_shear: float
-    far_slip_rate: float | Array
+    far_slip_rate: float | Array  # V(inf), one-sided [stress unit / (mu b)]
+    # eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or (p, ..., n) at the
+    # nodes of panels; None if strength does not depend on slip rate
     resistance: float | Array | None = None
+    # dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n) [stress unit];
+    # None without.  It goes with resistance: without it V would jump at c by -pi g'(c) / m'(c),
+    # m = M / i, where it slips.
     given_slope: Array | None = None
+    # gives both on whatever panels; None without
     linearised: LinearisedStrength | None = None
+    # where the contact is open and what its pressure is; None if it is closed
     opened: Opened | None = None
+    # p, that of the front of the load over the slot [b]; 0 for a load that comes at once
     slowness: float = 0.0
 
     def stuck(self, factors: RayleighFactors, mode: Mode) -> StuckTraction:

@@ -49,35 +49,23 @@ def stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
 
 @dataclass(frozen=True)
 class NodeFields:
-    """Fields at the nodes of panels, times dv/dy, and the positions of the panels; or derivatives.
+    """Fields at the nodes of panels, times dv/dy, and positions of the panels; or derivatives."""
 
-    Attributes
-    ----------
-    rate, traction : (p, n) arrays
-        Slopes of slip rate, and of traction less the part unbounded at a stuck contact edge,
-        times dv/dy.
-    rate_starts, traction_starts : (p,) arrays
-        Slip rate and traction at the left of each panel.
-    ends, skew : (4, m, 1) and (p, 1) arrays
-        Ends and rho of the panels.
-    amounts, exponents : (q, 1) arrays
-        Powers that the slope of slip rate has near borders of an opening; not part of `rate`.
-    tail : () array
-        Limit of v^2 dV/dv, as of `Profile`.
-    intensity : () array
-        Intensity of the traction at a stuck contact edge.
-    """
-
+    # slopes of slip rate, and of traction less the part unbounded at a stuck contact edge, times
+    # dv/dy, (p, n) each
     rate: Array
     traction: Array
+    # slip rate and traction at the left of each panel, (p,) each
     rate_starts: Array
     traction_starts: Array
+    # ends and rho of the panels, (4, m, 1) and (p, 1)
     ends: Array
     skew: Array
+    # powers (q, 1) that the slope of slip rate has near borders of an opening; not part of `rate`
     amounts: Array
     exponents: Array
-    tail: Array
-    intensity: Array
+    tail: Array  # limit of v^2 dV/dv, as of `Profile`, ()
+    intensity: Array  # intensity of the traction at a stuck contact edge, ()
 
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:

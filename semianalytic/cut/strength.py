@@ -27,27 +27,16 @@ from semianalytic.scene.arrays import Complex
 
 @dataclass(frozen=True)
 class PressurePart:
-    """The part s f P of the transform of slip zones, and where it does not satisfy its condition.
-
-    Attributes
-    ----------
-    sense : int
-        s, the sense of the zone next to the contact edge; 0 without zones.
-    opened : (p, ..., n) array or None
-        P / M_+^I where the contact is closed, P where it is open (panels of the mask `open`), both
-        real; None if it is closed everywhere, where P / M_+^I is P_0 / M_+^I(0).
-    open : (p,) array of bool
-        Whether the contact is open, per panel.
-    opened_at_edge : float or array
-        Limit of P / M_+^I at the contact edge, with `opened`.
-    """
+    """The part s f P of the transform of slip zones, and where its condition is not satisfied."""
 
     load: Load
     canonical: CanonicalFunction
-    sense: int
+    sense: int  # s, the sense of the zone next to the contact edge; 0 without zones
+    # P / M_+^I where the contact is closed, P where it is open (panels of the mask `open`), both
+    # real, (p, ..., n); None if it is closed everywhere, where P / M_+^I is P_0 / M_+^I(0)
     opened: Array | None
-    open: np.ndarray
-    opened_at_edge: float | Array = 0.0
+    open: np.ndarray  # whether the contact is open, per panel, (p,)
+    opened_at_edge: float | Array = 0.0  # limit of P / M_+^I at the contact edge, with `opened`
 
     @property
     def _weight(self) -> float | Array:

@@ -39,27 +39,17 @@ from semianalytic.scene.arrays import Complex
 
 @dataclass(frozen=True)
 class GivenZones:
-    """A load and a set of zones, their panels and their canonical function X.
-
-    Attributes
-    ----------
-    zones : tuple of Zone
-        From the longitudinal front inward, in slowness; their edges may hold several
-        neighbouring sets at once (see `panels`).
-    tail : bool
-        Whether the fields behind the last edge are included.
-    closing : tuple of (edge, r)
-        Terms of edges that close a gap.
-    shared : Panels or None
-        Panels laid for other zones that are to be used, with ends at all edges of these zones.
-    """
+    """A load and a set of zones, their panels and their canonical function X."""
 
     factors: RayleighFactors
     load: Load
+    # from the longitudinal front inward, in slowness; their edges may hold several neighbouring
+    # sets at once (see `panels`)
     zones: tuple[Zone, ...]
     rule: Rule
-    tail: bool = True
-    closing: tuple[tuple[CutPoints, float | Array], ...] = ()
+    tail: bool = True  # whether the fields behind the last edge are included
+    closing: tuple[tuple[CutPoints, float | Array], ...] = ()  # terms of edges that close a gap
+    # panels laid for other zones that are to be used, with ends at all edges of these zones
     shared: Panels | None = None
 
     @cached_property

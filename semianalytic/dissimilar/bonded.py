@@ -20,20 +20,11 @@ from semianalytic.scene.material import Material
 
 
 class BondedWave(NamedTuple):
-    """A plane wave beside the line, with the factor exp(i w (slowness . r - t)).
+    """A plane wave beside the line, with the factor exp(i w (slowness . r - t))."""
 
-    Attributes
-    ----------
-    is_above : bool
-        Whether it is in the upper body.
-    slowness : (complex, complex)
-        Slowness along x and y [time / length].
-    motion : (complex, complex)
-        Particle velocity along x and y per unit of the history [length / time].
-    """
-
-    is_above: bool
-    slowness: tuple[complex, complex]
+    is_above: bool  # whether it is in the upper body
+    slowness: tuple[complex, complex]  # slowness along x and y [time / length]
+    # particle velocity along x and y per unit of the history [length / time]
     motion: tuple[complex, complex]
 
 

@@ -26,26 +26,15 @@ Kind = Literal["excess", "pull", "reversed", "overlap"]
 
 @dataclass(frozen=True)
 class BrokenLaw:
-    """An interval of slowness where the law fails.
+    """An interval of slowness where the law fails."""
 
-    Attributes
-    ----------
-    kind : str
-        "excess": shear traction beyond friction on stick; "reversed": slip against its sense;
-        "pull": tension where it slips; "overlap": negative gap.
-    zone : int
-        Index of the zone, -1 on stick.
-    sense : int
-        Sign of the shear traction or of the slip rate there.
-    right : float or None
-        None: up to the contact edge.
-    """
-
+    # "excess": shear traction beyond friction on stick; "reversed": slip against its sense; "pull":
+    # tension where it slips; "overlap": negative gap
     kind: Kind
-    zone: int
-    sense: int
+    zone: int  # index of the zone, -1 on stick
+    sense: int  # sign of the shear traction or of the slip rate there
     left: float
-    right: float | None
+    right: float | None  # None: up to the contact edge
 
 
 def largest_breach(profile: PairProfile, slowest: float) -> float:

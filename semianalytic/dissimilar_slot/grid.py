@@ -42,30 +42,14 @@ _TOLERANCE = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class SlownessGrid:
-    """Nodes in xi and what depends on the bodies alone.
+    """Nodes in xi and what depends on the bodies alone."""
 
-    Attributes
-    ----------
-    xi : (n + 1,) array
-        From the contact edge to the fastest wave, where rates vanish.
-    response : (n, 2, n, 2) array
-        Tests of tau and sigma due to unit V and U at the nodes.
-    stuck : (n, 2, 2) array
-        Tests of the stuck tractions, from z(0).
-    weight : (n,) array
-        Tests of 1.
-    gram : (n, n) array
-        Tests of the hat functions.
-    opening : (n, n) array
-        U from the gap over time at the nodes.
-    """
-
-    xi: Array
-    response: Array
-    stuck: Array
-    weight: Array
-    gram: Array
-    opening: Array
+    xi: Array  # from the contact edge to the fastest wave, where rates vanish, (n + 1,)
+    response: Array  # tests of tau and sigma due to unit V and U at the nodes, (n, 2, n, 2)
+    stuck: Array  # tests of the stuck tractions, from z(0), (n, 2, 2)
+    weight: Array  # tests of 1, (n,)
+    gram: Array  # tests of the hat functions, (n, n)
+    opening: Array  # U from the gap over time at the nodes, (n, n)
 
 
 @dataclass(frozen=True)

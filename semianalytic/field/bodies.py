@@ -41,25 +41,14 @@ _BESIDE = np.outer([-1, 1], 10.0 ** -np.arange(1, 9)).ravel()
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """The fields in both bodies of a self-similar scene, which its `Solution` returns.
-
-    Attributes
-    ----------
-    shear : ZoneFields
-        Fields of the shear tractions on the cut, b = mu = 1 and in `stress_unit`.
-    opened : ZoneFields or None
-        Fields of the normal problem, with minus pressure as traction, if the contact opens.
-    stress_unit : float
-        Unit of stress [stress].
-    tolerance : float
-        Tolerance of the rule on which transforms are formed.
-    """
+    """The fields in both bodies of a self-similar scene, which its `Solution` returns."""
 
     scene: Scene
-    shear: ZoneFields
+    shear: ZoneFields  # fields of the shear tractions on the cut, b = mu = 1 and in `stress_unit`
+    # fields of the normal problem, with minus pressure as traction, if the contact opens
     opened: ZoneFields | None
-    stress_unit: float
-    tolerance: float
+    stress_unit: float  # [stress]
+    tolerance: float  # tolerance of the rule on which transforms are formed
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Return the particle velocity; see `Solution.velocity`."""

@@ -202,19 +202,13 @@ class Transform:
 
 
 class _Seen(NamedTuple):
-    """Nodes of the axis as points in a ring around 0 see them.
+    """Nodes of the axis as points in a ring around 0 see them."""
 
-    Attributes
-    ----------
-    place, weights : (n,) and (n, 4) arrays
-        Nodes that are not far, and the real and imaginary parts of two weights in turn.
-    inner, outer : (2, p) arrays
-        Coefficients of the sums over nodes that are far nearer to 0, in (within / k)^j / k, and
-        over those that are far beyond, in (k / beyond)^j; p = 0 without such nodes.
-    """
-
+    # nodes that are not far, (n,), and the real and imaginary parts of two weights in turn, (n, 4)
     place: Array
     weights: Array
+    # coefficients (2, p) of the sums over nodes far nearer to 0, in (within / k)^j / k, and over
+    # those far beyond, in (k / beyond)^j; p = 0 without such nodes
     inner: Complex
     outer: Complex
     within: float

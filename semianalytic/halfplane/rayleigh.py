@@ -28,15 +28,11 @@ class RayleighFactors:
     """Rayleigh function and Wiener-Hopf factors for one Poisson ratio, b = mu = 1.
 
     Use `rayleigh_factors(poisson_ratio)`, which keeps the tables of recent Poisson ratios.
-
-    Attributes
-    ----------
-    mode : "I", "II" or "III"
-        Mode of the impedance M where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2 with
-        r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, it is (b + k)^1/2.
     """
 
     poisson_ratio: float
+    # Mode of the impedance M where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2 with
+    # r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, it is (b + k)^1/2.
     mode: Mode = "II"
 
     def chosen(self, which: np.ndarray) -> RayleighFactors:

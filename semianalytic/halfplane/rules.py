@@ -28,25 +28,16 @@ _TABLES = 12
 
 @dataclass(frozen=True)
 class BesideEnd:
-    """Points near the left end of a panel, from which to interpolate what is smooth there.
+    """Points near the left end of a panel, from which to interpolate what is smooth there."""
 
-    Attributes
-    ----------
-    count : int
-        Number m of nodes, from the first on, for which the points stand.
-    share, rest : (q,) arrays
-        Shares of the panel left and right of the points.
-    onto : (m, q) array
-        Takes values at the points to the nodes, for functions smooth in the share.
-    onto_falling : (m, q) array
-        The same for the mirror image, near the right end, for functions that are proportional to
-        the share that is left there, relative to themselves.
-    """
-
-    count: int
+    count: int  # number m of nodes, from the first on, for which the points stand
+    # shares of the panel left and right of the points, (q,) each
     share: Array
     rest: Array
+    # takes values at the points to the nodes, for functions smooth in the share, (m, q)
     onto: Array
+    # the same for the mirror image, near the right end, for functions that are proportional to the
+    # share that is left there, relative to themselves, (m, q)
     onto_falling: Array
 
 

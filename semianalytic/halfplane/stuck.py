@@ -66,16 +66,11 @@ class StuckTraction:
     """The traction p* (mode I) or q* (mode II) per unit step, b = 1.
 
     Use `stuck_traction(poisson_ratio, mode, slowness)`, which keeps the tables.
-
-    Attributes
-    ----------
-    mode : "I", "II" or "III"
-    slowness : float
-        p, that of the front of the load over the slot, below the first front [b].
     """
 
     factors: RayleighFactors
     mode: Mode
+    # p, that of the front of the load over the slot, below the first front [b]
     slowness: float = 0.0
 
     @cached_property

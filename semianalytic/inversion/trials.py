@@ -42,32 +42,20 @@ PASSAGE = 2001
 
 @dataclass
 class Trials:
-    """Trials of unknowns, in units of `sizes`; rows of misfits are samples, then priors.
-
-    Attributes
-    ----------
-    rtol : float
-        Accuracy of solutions.
-    count : int
-        Solutions that were computed one by one; those of sweeps do not count.
-    progress : callable, optional
-        Called as ``progress(done, total)`` with the numbers of looks at the gauges: one per misfit,
-        two per derivative.  The total is what the rest of the search takes at most, so it may
-        shrink, and grows where the search goes on.
-    looks : int
-        Looks that were taken.
-    followed : Plane, optional
-        Solutions of trials so far, if these differ in friction alone; without it each trial is
-        solved alone.
-    """
+    """Trials of unknowns, in units of `sizes`; rows of misfits are samples, then priors."""
 
     samples: Samples
     unknowns: Unknowns
     priors: Mapping[str, Prior]
-    rtol: float
-    count: int = 0
+    rtol: float  # accuracy of solutions
+    count: int = 0  # solutions that were computed one by one; those of sweeps do not count
+    # Called as ``progress(done, total)`` with the numbers of looks at the gauges: one per misfit,
+    # two per derivative.  The total is what the rest of the search takes at most, so it may shrink,
+    # and grows where the search goes on.
     progress: Callable[[int, int], object] | None = None
     looks: int = 0
+    # solutions of trials so far, if these differ in friction alone; without it each trial is solved
+    # alone
     followed: Plane | None = field(default=None, repr=False)
     _ahead: int = field(default=0, repr=False)
     _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)

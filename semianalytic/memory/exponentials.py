@@ -21,25 +21,15 @@ from semianalytic.scene.arrays import Array, Complex
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The memory kernel h(x) = static + Re sum residues exp(poles x), for 0 <= x <= horizon.
+    """The memory kernel h(x) = static + Re sum residues exp(poles x), for 0 <= x <= horizon."""
 
-    Attributes
-    ----------
-    poles, residues : (m,) complex arrays
-        One pole of each conjugate pair, with twice its residue.
-    static : float
-        1/(1 - nu) in plane, 1 in antiplane shear: traction of lasting slip over mu q / 2.
-    horizon : float
-        Largest q c_t t for which the sum is made.
-    error : float
-        Largest error of the transform on Re s = 1/horizon over its largest value.
-    """
-
+    # one pole of each conjugate pair, with twice its residue, (m,) each
     poles: Complex
     residues: Complex
+    # 1/(1 - nu) in plane, 1 in antiplane shear: traction of lasting slip over mu q / 2
     static: float
-    horizon: float
-    error: float
+    horizon: float  # largest q c_t t for which the sum is made
+    error: float  # largest error of the transform on Re s = 1/horizon over its largest value
 
     def __call__(self, x: Array) -> Array:
         """Return h at x = q c_t t >= 0, (n,)."""

@@ -23,48 +23,28 @@ from semianalytic.scene.arrays import Array, Complex
 
 @dataclass(frozen=True, eq=False)
 class Past:
-    """Memory of a line at one time.
+    """Memory of a line at one time."""
 
-    Attributes
-    ----------
-    modes : (rows, p, size) complex array
-        Convolutions with the exponentials, at the time up to which they are known.
-    lasting : (rows, size) array
-        Convolution with the static part of the kernel.
-    last : float
-        c_t times the length of the last step [length], whose end value is left out of all of these;
-        0 where nothing is left out.
-    """
-
+    # convolutions with the exponentials, at the time up to which they are known, (rows, p, size)
     modes: Complex
-    lasting: Array
+    lasting: Array  # convolution with the static part of the kernel, (rows, size)
+    # c_t times the length of the last step [length], whose end value is left out of all of these; 0
+    # where nothing is left out
     last: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Kernels:
-    """How the numbers of the memory exert one or more tractions.
+    """How the numbers of the memory exert one or more tractions."""
 
-    Attributes
-    ----------
-    poles, weights : (p,) complex arrays
-        Poles z, and factors with which a rate enters the numbers m.
-    reads : (k, p) complex array, or None
-        Factors of the numbers m in each of k kernels; None for one kernel that adds them up.
-    static : float
-        Factor with which a rate enters the lasting slip.
-    lasting : (k,) array
-        Factors of that in each kernel; one kernel has it as it is.
-    horizon : float
-        Largest q c_t t for which the kernels are made.
-    """
-
+    # poles z, and factors with which a rate enters the numbers m, (p,) each
     poles: Complex
     weights: Complex
+    # factors of the numbers m in each of k kernels; None for one kernel that adds them up, (k, p)
     reads: Complex | None
-    static: float
-    lasting: Array
-    horizon: float
+    static: float  # factor with which a rate enters the lasting slip
+    lasting: Array  # factors of that in each kernel; one kernel has it as it is, (k,)
+    horizon: float  # largest q c_t t for which the kernels are made
 
     @classmethod
     def of(cls, memory: Memory) -> Kernels:

@@ -39,20 +39,11 @@ Path = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class Number:
-    """A number of a problem.
-
-    Attributes
-    ----------
-    value : float
-        Its value.
-    dimension : str
-        Its dimension, such as "length / time".
-    targets : tuple of (path, sign)
-        Where it stands: several places if ends of contacts mirror one another.
-    """
+    """A number of a problem."""
 
     value: float
-    dimension: str
+    dimension: str  # such as "length / time"
+    # where it stands: several places if ends of contacts mirror one another
     targets: tuple[tuple[Path, float], ...]
 
 

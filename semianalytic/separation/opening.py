@@ -41,21 +41,12 @@ LEAST_ERROR = 1e-14
 
 @dataclass(frozen=True)
 class OpenPart:
-    """The open part of the contact, in slowness, and the constants of P.
+    """The open part of the contact, in slowness, and the constants of P."""
 
-    Attributes
-    ----------
-    zone : Zone
-        The open part, with sense 1; right None is the contact edge.
-    closing : tuple of (edge, r)
-        The terms r / (k + edge) of edges at which it closes; none at the contact edge.
-    error : float
-        Estimate of the error of its edges, relative to c_t, and of its gap, relative to the
-        largest.
-    """
-
-    zone: Zone
+    zone: Zone  # the open part, with sense 1; right None is the contact edge
+    # the terms r / (k + edge) of edges at which it closes; none at the contact edge
     closing: tuple[tuple[CutPoints, float], ...]
+    # estimate of the error of its edges, relative to c_t, and of its gap, relative to the largest
     error: float
 
 

@@ -81,24 +81,12 @@ def _row(n: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class GrowingZone:
-    """Slip at 0 < x < xi_s t under a load Q_0 t^n on the slot and a strength s_0 t^n.
+    """Slip at 0 < x < xi_s t under a load Q_0 t^n on the slot and a strength s_0 t^n."""
 
-    Attributes
-    ----------
-    factors : RayleighFactors
-        Impedance in the mode of shear.
-    power : int
-        n >= 0; 0 is the step of a `Scene`.
-    ratio : float
-        chi = s_0 / Q_0.
-    edge : float
-        Slowness u_s of the edge of slip.
-    """
-
-    factors: RayleighFactors
-    power: int
-    ratio: float
-    edge: float
+    factors: RayleighFactors  # impedance in the mode of shear
+    power: int  # n >= 0; 0 is the step of a `Scene`
+    ratio: float  # chi = s_0 / Q_0
+    edge: float  # slowness u_s of the edge of slip
 
     def __getstate__(self) -> dict[str, Any]:
         return {part.name: getattr(self, part.name) for part in fields(self)}  # no closures

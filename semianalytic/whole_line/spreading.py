@@ -35,23 +35,12 @@ _NEAREST = -36.0
 
 @dataclass(frozen=True, eq=False)
 class Spreading:
-    """Motion at |x| < xi_s t around a patch |x| < w t of excess 1, or around a unit point force.
+    """Motion at |x| < xi_s t around a patch |x| < w t of excess 1, or around a unit point force."""
 
-    Attributes
-    ----------
-    factors : RayleighFactors
-        Impedance in the mode of motion.
-    patch : float
-        Speed w of the patch over c_t; 0 for a point force.
-    edge : float
-        Slowness e_s of the edge of motion.
-    lead : float
-        Slowness e_p - e_s by which the patch is behind the edge, with all digits; inf for a point.
-    """
-
-    factors: RayleighFactors
-    patch: float
-    edge: float
+    factors: RayleighFactors  # impedance in the mode of motion
+    patch: float  # speed w of the patch over c_t; 0 for a point force
+    edge: float  # slowness e_s of the edge of motion
+    # slowness e_p - e_s by which the patch is behind the edge, with all digits; inf for a point
     lead: float = np.inf
 
     def __getstate__(self) -> dict[str, Any]:

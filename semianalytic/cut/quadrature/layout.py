@@ -46,24 +46,14 @@ class Zone:
 
 @dataclass(frozen=True)
 class Pairs:
-    """Source and target panels of Cauchy integrals; sources behind their targets come first.
+    """Source and target panels of Cauchy integrals; sources behind their targets come first."""
 
-    Attributes
-    ----------
-    source, target : (r,) arrays of panels
-    near : (r,) array
-        Panel end between the two that is nearest to the source.
-    behind : int
-        Number of sources behind (at larger slowness than) their target.
-    onto : (p, r) array
-        Weights with which pairs add up at every panel.
-    """
-
+    # panels, (r,) each
     source: np.ndarray
     target: np.ndarray
-    near: np.ndarray
-    behind: int
-    onto: Array
+    near: np.ndarray  # panel end between the two that is nearest to the source, (r,)
+    behind: int  # number of sources behind (at larger slowness than) their target
+    onto: Array  # weights with which pairs add up at every panel, (p, r)
 
     def collect(self, values: Array) -> Array:
         """Return weighted sums at all panels, (p, ..., n), of the values of pairs, (r, ..., n)."""
@@ -86,45 +76,24 @@ def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
 
 @dataclass(frozen=True)
 class Layout:
-    """Order and kinds of the panels, wherever exactly they end.
+    """Order and kinds of the panels, wherever exactly they end."""
 
-    Attributes
-    ----------
-    sense : tuple of int
-        Per panel, 0 where the interface sticks.
-    zone : tuple of int
-        Per panel, index of the slip zone; on stick, of the zone that follows inward.
-    ahead : int
-        Number of panels ahead of the shear front.
-    behind_root : int
-        First panel behind the root r of M_+.
-    slips_at_root, slips_at_b, slips_at_c : bool
-        Whether a zone covers that root, the shear front, the Rayleigh front; the last is False
-        where there is no Rayleigh wave.
-    over_c : int
-        Panel that covers c; -1 if it is left out.
-    gap : bool
-        Whether that panel sticks between two zones.
-    roots : tuple of (end, exponent)
-        Zone edges behind the root of M_+, with the exponent of X there.
-    root_exponent : float
-        Exponent of r + k in M_+.
-    open : tuple of bool
-        Per panel, whether the contact is open.
-    """
-
-    sense: tuple[int, ...]
+    sense: tuple[int, ...]  # per panel, 0 where the interface sticks
+    # per panel, index of the slip zone; on stick, of the zone that follows inward
     zone: tuple[int, ...]
-    ahead: int
-    behind_root: int
+    ahead: int  # number of panels ahead of the shear front
+    behind_root: int  # first panel behind the root r of M_+
+    # whether a zone covers that root, the shear front, the Rayleigh front; the last is False where
+    # there is no Rayleigh wave
     slips_at_root: bool
     slips_at_b: bool
     slips_at_c: bool
-    over_c: int
-    gap: bool
+    over_c: int  # panel that covers c; -1 if it is left out
+    gap: bool  # whether that panel sticks between two zones
+    # zone edges behind the root of M_+, with the exponent of X there
     roots: tuple[tuple[int, float], ...]
-    root_exponent: float
-    open: tuple[bool, ...]
+    root_exponent: float  # exponent of r + k in M_+
+    open: tuple[bool, ...]  # per panel, whether the contact is open
 
     @property
     def pole(self) -> int:

@@ -38,28 +38,20 @@ class _Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Panels:
-    """Consecutive panels from the longitudinal front inward, and the grid on each.
-
-    Attributes
-    ----------
-    left, right : tuple of CutPoints (right None on an unbounded last panel)
-    ends : CutPoints of (m, ..., 1), all their ends
-    widths : (m - 1, ..., 1) array, distances between consecutive ends
-    from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
-    at : CutPoints of (p, ..., n)
-    skew : (p, ..., 1) array, rho of the maps
-    """
+    """Consecutive panels from the longitudinal front inward, and the grid on each."""
 
     layout: Layout
+    # right is None on an unbounded last panel
     left: tuple[CutPoints, ...]
     right: tuple[CutPoints | None, ...]
-    ends: CutPoints
-    widths: Array
+    ends: CutPoints  # all their ends, (m, ..., 1)
+    widths: Array  # distances between consecutive ends, (m - 1, ..., 1)
+    # v - left, right - v and dv/dy, (p, ..., n) each
     from_left: Array
     from_right: Array
     jacobian: Array
-    at: CutPoints
-    skew: Array
+    at: CutPoints  # nodes, (p, ..., n)
+    skew: Array  # rho of the maps, (p, ..., 1)
     rule: Rule
 
     def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:

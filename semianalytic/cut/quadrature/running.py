@@ -26,21 +26,14 @@ class Power:
     stands for the finite part, as if the integral were 0 where s is 0. The derivative of such a
     density with respect to a parameter on which its exponent depends has the integral (amount +
     of_log ln s) s^exponent.
-
-    Attributes
-    ----------
-    at_left : bool
-        Whether the end is the left one.
-    exponent, amount : (..., 1) arrays
-    of_log : (..., 1) array
-        0 where there is no logarithm.
     """
 
     panel: int
-    at_left: bool
+    at_left: bool  # whether the end is the left one
+    # (..., 1) each
     exponent: Array
     amount: Array
-    of_log: Array | float = 0.0
+    of_log: Array | float = 0.0  # 0 where there is no logarithm, (..., 1)
 
     def share(self, panels: Panels) -> Array:
         """Return s at the nodes, (..., n)."""
@@ -163,29 +156,18 @@ class PanelIntegral:
 
     g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded one.
     Both are integrated in closed form, the rest by sinc indefinite integration.
-
-    Attributes
-    ----------
-    density : (p, ..., n) array
-        g at the nodes, without its powers.
-    c : float
-        Rayleigh slowness.
-    powers : tuple of Power
-        Parts of g that are large near ends of panels.
-    residue : (...) array or None
-        Residue of g at c where it is known; None to interpolate it between nodes, with half as
-        many digits as integrals have.
-    tail : float or (...) array or None
-        Limit of v^2 g, with which v g is integrated in closed form. None where v g may be far
-        larger elsewhere than at the points asked for, as under a film: the integral over v is then
-        the solution of an equation of its own, which leaves the end of the rule, 1e-12 of slip.
     """
 
     panels: Panels
-    density: Array
-    c: float
-    powers: tuple[Power, ...] = ()
+    density: Array  # g at the nodes, without its powers, (p, ..., n)
+    c: float  # Rayleigh slowness
+    powers: tuple[Power, ...] = ()  # parts of g that are large near ends of panels
+    # residue of g at c where it is known, (...); None to interpolate it between nodes, with half as
+    # many digits as integrals have
     residue: Array | None = None
+    # Limit of v^2 g, (...), with which v g is integrated in closed form. None where v g may be far
+    # larger elsewhere than at the points asked for, as under a film: the integral over v is then
+    # the solution of an equation of its own, which leaves the end of the rule, 1e-12 of slip.
     tail: float | Array | None = None
 
     @cached_property

@@ -43,29 +43,15 @@ Factor = tuple[Array, bool] | None
 
 @dataclass(frozen=True, eq=False)
 class OnPanel:
-    """Quantities in the equations on one panel, at its nodes and half-way between them.
-
-    Attributes
-    ----------
-    rows : (r, m, 2) complex array
-        The vectors g, one where it slips and two where it is open.
-    turned : (r, m, 2) array
-        Im g R(-v).
-    sources : (n, 2, 2) array
-        Psi^T / n_inf at the nodes.
-    rates : (m, 2, 2) array
-        R(-v).
-    poles : tuple of Pole
-        Poles at the Rayleigh waves of the free faces, on panels of openings.
-    """
+    """Quantities in the equations on one panel, at its nodes and half-way between them."""
 
     panel: Panel
-    rows: Complex
-    turned: Array
-    sources: Array
+    rows: Complex  # the vectors g, one where it slips and two where it is open, (r, m, 2)
+    turned: Array  # Im g R(-v), (r, m, 2)
+    sources: Array  # Psi^T / n_inf at the nodes, (n, 2, 2)
     entries: Entries
-    rates: Array
-    poles: tuple[Pole, ...]
+    rates: Array  # R(-v), (m, 2, 2)
+    poles: tuple[Pole, ...]  # poles at the Rayleigh waves of the free faces, on panels of openings
 
     @property
     def unknowns(self) -> int:
@@ -75,28 +61,18 @@ class OnPanel:
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """Solved densities on zones.
-
-    Attributes
-    ----------
-    slopes : tuple of (n, 2) arrays
-        dV/dx and dU/dx at the nodes of every panel, times the spacing.
-    amplitudes : tuple of (p, 2) arrays
-        Amplitudes of both kinds of every pole on every panel.
-    factor : tuple or None
-        Factor of the normal equations, or of those of zones that are near.
-    residual : float
-        Largest residual over the largest right-hand side.
-    """
+    """Solved densities on zones."""
 
     interface: LoadedBodies
     glued: Glued
     zones: tuple[MovingZone, ...]
     parts: tuple[OnPanel, ...]
+    # dV/dx and dU/dx at the nodes of every panel, times the spacing, (n, 2) each
     slopes: tuple[Array, ...]
+    # amplitudes of both kinds of every pole on every panel, (p, 2) each
     amplitudes: tuple[Array, ...]
-    factor: Factor
-    residual: float
+    factor: Factor  # factor of the normal equations, or of those of zones that are near
+    residual: float  # largest residual over the largest right-hand side
 
     @cached_property
     def constant(self) -> Array:

@@ -43,26 +43,13 @@ _TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)(?:\s+\w+)?\s*=", re.IGNORECASE)
 
 @dataclass(frozen=True, eq=False)
 class NamedColumns:
-    """Numbers under names.
-
-    Attributes
-    ----------
-    path : Path
-    names : tuple of str
-        Names of the columns; empty where the file has none.
-    rows : (n, k) array
-        NaN where there is no number.
-    comments : tuple of str
-        Without the characters that mark them.
-    line : int
-        That of the names, 0 where there are none.
-    """
+    """Numbers under names."""
 
     path: Path
-    names: tuple[str, ...]
-    rows: Array
-    comments: tuple[str, ...]
-    line: int
+    names: tuple[str, ...]  # names of the columns; empty where the file has none
+    rows: Array  # NaN where there is no number, (n, k)
+    comments: tuple[str, ...]  # without the characters that mark them
+    line: int  # that of the names, 0 where there are none
 
 
 def text_of(path: Path, most: int = LARGEST_TEXT) -> str:

@@ -30,32 +30,18 @@ from semianalytic.selfsimilar.zones import tuning
 
 @dataclass(frozen=True)
 class SlipGrid:
-    """Nodes in xi [c_t] from the edge to the longitudinal front, and what depends on nu alone.
+    """Nodes in xi [c_t] from the edge to the longitudinal front, and what depends on nu alone."""
 
-    Attributes
-    ----------
-    xi : (n + 1,) array
-        Nodes, from 0 to c_l, clustered at 0, c_R, c_t and c_l.
-    operator : (n, n) array
-        Corrective traction of the nodal slip rates, tested with the hat functions [mu b].
-    far : (n,) array
-        The same for a unit slip rate far ahead, V = 1 at the last node and beyond.
-    weight, shear, pressure : (n,) arrays
-        Tests of 1, q* and p*.
-    gram : (n, n + 1) array
-        Tests of the hat functions themselves.
-    sample : (n, m) array
-        Takes values at the slownesses of `points` (m,) to their tests.
-    """
-
-    xi: Array
+    xi: Array  # nodes, from 0 to c_l, clustered at 0, c_R, c_t and c_l, (n + 1,)
+    # corrective traction of the nodal slip rates, tested with the hat functions [mu b], (n, n)
     operator: Array
-    far: Array
+    far: Array  # the same for a unit slip rate far ahead, V = 1 at the last node and beyond, (n,)
+    # tests of 1, q* and p*, (n,) each
     weight: Array
     shear: Array
     pressure: Array
-    gram: Array
-    sample: Array
+    gram: Array  # tests of the hat functions themselves, (n, n + 1)
+    sample: Array  # takes values at the slownesses of `points` (m,) to their tests, (n, m)
     points: Array
 
 

@@ -22,32 +22,18 @@ from semianalytic.selfsimilar.zones import tuning
 
 @dataclass(frozen=True)
 class Edges:
-    """Assignment of unknowns to zone edges.
-
-    Attributes
-    ----------
-    kinds : tuple of Zone
-        Zones from the longitudinal front inward, without their edges.
-    open_ends : (bool, bool)
-        Whether the first zone starts ahead of all waves, and whether the last one reaches the
-        contact edge.
-    segments : tuple of int
-        Per edge: 0 for a slowness in (a, b), 1 for (b, c), 2 for (c, inf).
-    opening : Zone or None
-        Open part of the contact; edges stay on their side of it.
-    sides : tuple of int
-        Per edge: -1 ahead of the opening, 1 behind it, 0 held at an end of it.
-    held_at : tuple of float
-        Unknowns of the edges that are held.
-    """
+    """Assignment of unknowns to zone edges."""
 
     factors: RayleighFactors
-    kinds: tuple[Zone, ...]
+    kinds: tuple[Zone, ...]  # zones from the longitudinal front inward, without their edges
+    # whether the first zone starts ahead of all waves, and whether the last one reaches the contact
+    # edge
     open_ends: tuple[bool, bool]
-    segments: tuple[int, ...]
-    opening: Zone | None = None
+    segments: tuple[int, ...]  # per edge: 0 for a slowness in (a, b), 1 for (b, c), 2 for (c, inf)
+    opening: Zone | None = None  # open part of the contact; edges stay on their side of it
+    # per edge: -1 ahead of the opening, 1 behind it, 0 held at an end of it
     sides: tuple[int, ...] = ()
-    held_at: tuple[float, ...] = ()
+    held_at: tuple[float, ...] = ()  # unknowns of the edges that are held
 
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
