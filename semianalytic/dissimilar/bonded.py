@@ -31,11 +31,7 @@ class BondedWave(NamedTuple):
 def bonded_waves(wave: IncidentWave, upper: Material, lower: Material) -> list[BondedWave]:
     """Return a P or SV wave from either body, and the P and SV waves that the bonded line sends.
 
-    Parameters
-    ----------
-    wave : IncidentWave
-    upper, lower : Material
-        The solids on y > 0 and y < 0.
+    The solids are those on y > 0 and y < 0.
     """
     from_above = wave.from_ == "above"
     source = upper if from_above else lower
@@ -70,13 +66,6 @@ def bonded_tractions(
     """Return pressure and shear per unit of the history of a P or SV wave [stress].
 
     They are real unless one of the four waves decays away from the line.
-
-    Parameters
-    ----------
-    wave : IncidentWave
-        A P or an SV wave from either body.
-    upper, lower : Material
-        The solids on y > 0 and y < 0.
 
     Examples
     --------

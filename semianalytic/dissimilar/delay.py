@@ -38,10 +38,7 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
     All growing waves are sought at every q c_t t* of a scale.  Following those without delay would
     miss the fastest one of aluminium on steel at f = 0.5, and all of gouge on rock.
 
-    Parameters
-    ----------
-    friction : float
-        s f, the friction coefficient with the sense of slip.
+    `friction` is s f, the friction coefficient with the sense of slip.
     """
     from scipy.optimize import minimize_scalar  # here, for `import semianalytic` is to be quick
 

@@ -71,19 +71,11 @@ class EdgeReading:
 def edge_factors(beta: float) -> tuple[float, Complex, Complex]:
     """Return the offset of the grid's edge, and the factors of nodes of the contact and the slot.
 
-    Parameters
-    ----------
-    beta : float
-        Dundurs' beta of the bodies, that of the upper minus that of the lower one.
-
-    Returns
-    -------
-    float
-        Distance from the edge to the first node of a contact x > 0, over the node distance.
-    (MOST_NODES,) complex arrays
-        tau + i sigma at nodes of the contact, and slip + i gap at nodes of the slot, over the
-        fields of a crack tip, K d^(-1/2 + i nu) and K d^(1/2 + i nu) with nu = -artanh(beta) / pi,
-        at the nodes' distances d from the edge.
+    `beta` is Dundurs' of the upper body minus that of the lower one.  The offset is the distance
+    from the edge to the first node of a contact x > 0, over the node distance.  The factors
+    (MOST_NODES,) are tau + i sigma at nodes of the contact, and slip + i gap at nodes of the slot,
+    over the fields of a crack tip, K d^(-1/2 + i nu) and K d^(1/2 + i nu) with nu = -artanh(beta) /
+    pi, at the nodes' distances d from the edge.
     """
     from scipy.special import loggamma  # here, for `import semianalytic` is to be quick
 
@@ -113,23 +105,10 @@ def zone_beside_edge(
     slip at the edge is 8 s l / (pi E') and its mean over l a third of it (Dugdale).  A tension
     opens the contact in the same way against the pressure on it.
 
-    Parameters
-    ----------
-    change : array
-        |Change of traction| at the first node [stress].
-    strength : array, like `change`
-        Strength there, less the traction before the change in its sense [stress].
-    where : array of bool
-        Where there is a zone; the strength is positive there.
-    spacing : float
-        Node distance [length].
-    compliance : float
-        2 / E', the mean of (1 - nu) / mu of both bodies [1 / stress].
-
-    Returns
-    -------
-    length, area : arrays, like `change`
-        [length], [length^2]
+    `change` is |change of traction| at the first node [stress], `strength` the strength there less
+    the traction before the change in its sense [stress], positive `where` there is a zone;
+    `spacing` is the node distance [length], `compliance` 2 / E', the mean of (1 - nu) / mu of both
+    bodies [1 / stress].
     """
     offset, of_contact, _ = edge_factors(0.0)
     # tau = K / sqrt(2 pi d) at the distance d of the first node, which has a known factor.
@@ -149,20 +128,10 @@ def read_beside_edge(
     weighted 1, 2, 1, are multiplied by the exact fields of a crack tip.  The first and the last
     node on either side have no neighbours for a mean and are left out.
 
-    Parameters
-    ----------
-    contact : (n,) complex array
-        tau + i sigma at nodes of the contact, changes from the base state, from the edge on.
-    slot : (m,) complex array
-        slip + i gap at nodes of the slot, from the edge on.
-    spacing : float
-        Node distance.
-    beta : float
-        Dundurs' beta.
-
-    Returns
-    -------
-    distance (n - 2,), tau + i sigma (n - 2,), slot distance (m - 2,), slip + i gap (m - 2,)
+    Given, from the edge on, are changes of tau + i sigma from the base state at nodes of the
+    contact (n,), slip + i gap at nodes of the slot (m,), the node distance and Dundurs' beta;
+    returned are distance (n - 2,), tau + i sigma (n - 2,), slot distance (m - 2,) and slip + i gap
+    (m - 2,).
     """
     offset, of_contact, of_slot = edge_factors(beta)
     nu = -np.arctanh(beta) / np.pi

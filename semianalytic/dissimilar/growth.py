@@ -68,18 +68,10 @@ def growing_waves(
 
     Results are cached, as each run of the same bodies asks for them anew.
 
-    Parameters
-    ----------
-    friction : float
-        s f: the friction coefficient, negative where the upper body slides towards -x.
-    delay : float
-        q c_t t*: the time in which friction follows pressure, over that in which a shear wave of
-        the upper body runs a wavelength over 2 pi.
-
-    Raises
-    ------
-    ComputationError
-        If fewer waves are found than there are.
+    `friction` is s f, the friction coefficient, negative where the upper body slides towards -x;
+    `delay` is q c_t t*, the time in which friction follows pressure over that in which a shear wave
+    of the upper body runs a wavelength over 2 pi.  Raises ComputationError if fewer waves are found
+    than there are.
     """
     right = _right_going(compliance, friction, delay)
     # A root k of one direction is -conj(k) of the other under friction of the other sign.

@@ -37,15 +37,8 @@ def _slow_zero(compliance: Compliance, zeros: tuple[float, ...]) -> float | None
 def growth_threshold(compliance: Compliance, direction: int) -> float:
     """Return the friction coefficient above which waves grow that run in a direction.
 
-    Parameters
-    ----------
-    direction : +1 or -1
-        The direction in which the upper body slides, f_+, or the other one, f_-.
-
-    Returns
-    -------
-    float
-        0 where every coefficient lets waves grow, inf where none does.
+    The direction is +1 for that in which the upper body slides, f_+, or -1 for the other one, f_-.
+    It is 0 where every coefficient lets waves grow, inf where none does.
     """
     if compliance.is_alike:
         return np.inf

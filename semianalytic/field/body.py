@@ -60,11 +60,8 @@ class Sent:
 def fields_of(parts: Sequence[Sent], quantity: Quantity, at: tuple[Array, Array, Array]) -> Array:
     """Return the rows (q, m) of a quantity, those of antiplane shear, if a part sends it, last.
 
-    Parameters
-    ----------
-    quantity : {"velocity", "stress", "displacement"}
-    at : three (m,) arrays
-        x, y and t > 0; points whose y has a negative sign, -0.0 included, are in the lower body.
+    The points are x, y and t > 0, (m,) each; those whose y has a negative sign, -0.0 included, are
+    in the lower body.
     """
     x, y, time = at
     scaled = *_scaled(x, np.abs(y), time), np.signbit(y)

@@ -26,17 +26,9 @@ def plane_wave(
 
     Displacement is that since t = 0 where waves run ahead of the front, beyond a critical angle.
 
-    Parameters
-    ----------
-    wave : IncidentWave
-        Its front is at x = 0 of the interface at t = 0.
-    bodies : one or two Material
-        The upper solid, and the lower one if it is another, to which it is bonded.
-    quantity : {"velocity", "stress", "displacement"}
-    at : three arrays
-        x, y [length] and t [time].
-    history : LoadHistory, optional
-        Factor over the time since the front; a step by default.
+    The front of the wave is at x = 0 of the interface at t = 0; the bodies are the upper solid, and
+    the lower one if it is another, to which it is bonded; the points are x, y [length] and t
+    [time]; the history is the factor over the time since the front, a step by default.
     """
     x, y, t = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in at))
     history, still = history or Step(), quantity == "displacement"

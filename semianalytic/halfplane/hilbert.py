@@ -38,14 +38,8 @@ def comes_back(history: LoadHistory) -> bool:
 def transformed(history: LoadHistory, start: Array, end: Array) -> Array:
     """Return the mean of H f over intervals start < t < end, (n,).
 
-    Where start is end, it is H f itself, which is infinite at a jump.
-
-    Parameters
-    ----------
-    history : LoadHistory
-        One that `comes_back`.
-    start, end : (n,) arrays
-        Times [time].
+    Where start is end, it is H f itself, which is infinite at a jump.  The history is one that
+    `comes_back`; times are [time], (n,).
     """
     alone = start == end
     later, earlier = (analytic(history, t + 0j, 1).imag for t in (end, start))

@@ -27,20 +27,9 @@ def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, 
     profile likelihood).  If chi2 is a parabola, that is one standard error to either side.  It
     rises faster to one side than to the other where a front or an edge of slip passes samples.
 
-    Parameters
-    ----------
-    best : Minimum
-        The lowest minimum.
-    covariance : (p, p) array
-        Covariance of the values over their sizes; infinite where data do not constrain them.
-
-    Returns
-    -------
-    ends : (p, 2) array
-        Lower and upper end, over the sizes: infinite where chi2 stays below, or the bound of the
-        value if that comes first.
-    lower : (p,) array, optional
-        Values whose chi2 is below that of the minimum, from which to search again.
+    The covariance (p, p) is that of the values over their sizes, infinite where data do not
+    constrain them.  The ends (p, 2) are over the sizes too: infinite where chi2 stays below, or the
+    bound of the value if that comes first.  Values of lower chi2 (p,) are where to search again.
     """
     errors = np.sqrt(np.diag(covariance))
     ends = best.scaled[:, None] + errors[:, None] * np.array([-1.0, 1.0])

@@ -210,10 +210,7 @@ def line_trials(
 ) -> LineTrials:
     """Return the trials of a fit of an interface, after checking what was asked.
 
-    Raises
-    ------
-    SceneError
-        If a gauge is off the contact, or all records end before the load acts.
+    Raises SceneError if a gauge is off the contact, or all records end before the load acts.
     """
     for gauge in gauges:
         if gauge.on_interface and not scene.contact.touches([gauge.x - setup.x0]).all():

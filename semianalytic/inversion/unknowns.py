@@ -210,10 +210,7 @@ def plain_name(given: object) -> str:
 def number_name(scene: Scene, given: object) -> str:
     """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
-    Raises
-    ------
-    SceneError
-        If the scene has no such number, and the set-up neither.
+    Raises SceneError if the scene has no such number, and the set-up neither.
     """
     known = tuple(numbers_of(scene)) if is_fitted_on_line(scene) else SOLVED
     name = plain_name(given)

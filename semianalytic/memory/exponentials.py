@@ -74,10 +74,7 @@ class KernelTransforms(Protocol):
 def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory:
     """Fit poles and residues to the memory of an impedance up to q c_t t = `horizon`, cached.
 
-    Raises
-    ------
-    ComputationError
-        If the relative error of the transform stays above the tolerance.
+    Raises ComputationError if the relative error of the transform stays above the tolerance.
     """
     static = impedance.static
 

@@ -64,14 +64,8 @@ class Kernels:
         with Z_V, Z_U the impedances of plane waves; nothing of the coupling is at once
         (`dissimilar.kernels`).
 
-        Parameters
-        ----------
-        fit : SharedMemory
-            Sums of exponentials of Z_s, Z_n and H.
-        own : int
-            0 for slip, whose own kernel is Z_s; 1 for opening, whose own is Z_n.
-        direct : float
-            Z_V or Z_U over the unit of the kernels.
+        The fit is of Z_s, Z_n and H; `own` is 0 for slip, whose own kernel is Z_s, 1 for opening,
+        whose own is Z_n; `direct` is Z_V or Z_U over the unit of the kernels.
         """
         reads, lasting = fit.residues[[own, 2]] / direct, fit.static[[own, 2]] / direct
         return cls(fit.poles, np.ones_like(fit.poles), reads, 1.0, lasting, fit.horizon)

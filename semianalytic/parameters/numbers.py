@@ -181,10 +181,7 @@ def with_numbers(problem: Problem, values: Mapping[str, float], **parts: Any) ->
     might pass through a scene that does not exist.  A friction coefficient takes the dynamic
     friction of a law along, in its ratio to it.
 
-    Raises
-    ------
-    SceneError
-        If a value is out of range.
+    Raises SceneError if a value is out of range.
     """
     known = numbers_of(problem)
     changes = {

@@ -37,10 +37,8 @@ def override_scene(
     with units, as quantities of pint,
     need a scene in SI units.
 
-    Raises
-    ------
-    SceneError
-        If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
+    Raises SceneError if the resulting scene is not admissible, or a viscosity is given for friction
+    that weakens.
     """
     # First, since quantities with units are allowed in a scene in SI units alone.
     scene = scene if units is None else replace(scene, units=units)

@@ -60,24 +60,12 @@ def new_file(
 ) -> Iterator[Path]:
     """Open a temporary file to fill, which takes its place under `path` when it is on the disk.
 
-    An earlier file under `path` stays until then.  Missing folders are made.
+    An earlier file under `path` stays until then.  Missing folders are made.  The size is the final
+    one, if it is known [bytes], for the message if the disk is too small; the seal is put at the
+    end, and the temporary name ends in the suffix.
 
-    Parameters
-    ----------
-    path : path
-        Final name of the file.
-    size : int
-        Final size, if it is known [bytes]; for the message if the disk is too small.
-    seal : Seal, optional
-        Seal to put at the end.
-    suffix : str
-        Ending that the temporary name must have, if any.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written; if the disk is too small, the message says how
-        much is needed and free.
+    Raises DataFileError if the file or its folder cannot be written; if the disk is too small, the
+    message says how much is needed and free.
     """
     made: list[Path] = []
     held: tuple[Path, int | None] | None = None

@@ -14,15 +14,8 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
     Strips around the Rayleigh front, of reverse slip without friction or of stick with little
     friction, may be narrower than 1e-12 of its speed and would otherwise appear empty.
 
-    Parameters
-    ----------
-    edges : iterable of float
-        Velocities or positions; infinite ones are left out, and what agrees to 15 significant
-        digits is taken to be the same.
-    least : int
-        Least number of digits.
-    form : str
-        Whether digits are significant ones ("g") or those after the point ("f").
+    Infinite edges are left out, and what agrees to 15 significant digits is taken to be the same;
+    digits are significant ones ("g") or those after the point ("f").
     """
     # The same edge may have been computed twice: what differs by rounding alone is one number.
     different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}

@@ -66,21 +66,10 @@ def memory_limit(limit: float | None) -> int:
 def check_memory(needed: int, limit: float | None, what: str, advice: str) -> int:
     """Return what a computation may take [bytes]; refuse it before it starts if it needs more.
 
-    Parameters
-    ----------
-    needed : int
-        Predicted peak [bytes].
-    limit : float or None
-        Memory that it may take [bytes]; 70 % of what is available if None.
-    what : str
-        The computation, as the subject of the sentence.
-    advice : str
-        The change to make, as the end of the sentence, without the full stop.
-
-    Raises
-    ------
-    SceneError
-        If more is needed than there may be, or the limit is not a positive number.
+    `needed` is the predicted peak [bytes], `limit` what it may take [bytes], 70 % of what is
+    available if None; `what` is the computation, as the subject of the sentence, and `advice` the
+    change to make, as its end without the full stop.  Raises SceneError if more is needed than
+    there may be, or the limit is not a positive number.
     """
     allowed = memory_limit(limit)
     if needed > allowed:

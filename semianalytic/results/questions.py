@@ -59,16 +59,10 @@ def onsets_until(
 ) -> Array:
     """Return the times at which slip has begun at the nodes, (n,), with k more levels.
 
-    Parameters
-    ----------
-    onset : (n,) array
-        Times known so far [time]; not finite where slip has not begun.
-    times : (k + 1,) sequence
-        Times of the levels and of the one before them [time]; a jump is two levels at one time.
-    speeds : (k + 1, n) array
-        |slip rate| at these [length / time], linear between them.
-    threshold : (k,) array
-        |slip rate| beyond which slip has begun, at each of the k levels [length / time].
+    `onset` (n,) has the times known so far [time], not finite where slip has not begun; `times`
+    (k + 1,) are those of the levels and of the one before them [time], a jump being two levels at
+    one time; `speeds` (k + 1, n) are |slip rate| at these, linear between them, and `threshold`
+    (k,) that beyond which slip has begun, at each of the k levels [length / time].
     """
     # most nodes slip already, or not yet: the few others are looked at level by level
     waiting = ~np.isfinite(onset)

@@ -67,10 +67,7 @@ class Totals:
     def at(self, name: str, t: ArrayLike) -> Array:
         """Return the total of a name at times t [time], linear between steps, 0 before t = 0.
 
-        Raises
-        ------
-        SceneError
-            If a time is not finite or beyond the last.
+        Raises SceneError if a time is not finite or beyond the last.
         """
         t = np.asarray(t, dtype=float)
         check_times(t, self.t)

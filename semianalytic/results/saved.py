@@ -47,25 +47,12 @@ def read_answer(
 ) -> Made:
     """Return what `write_answer` wrote.
 
-    Parameters
-    ----------
-    path : path
-        File to read.
-    kind : str
-        Name and version of what it must hold.
-    make : dataclass
-        Class of the answer.
-    instead, again : str
-        File to give in place of another one, and remedy if this one is damaged.
-    **known
-        Fields that the file lacks.
+    The kind is the name and version of what it must hold, `make` the class of the answer, a
+    dataclass; `instead` and `again` are the file to give in place of another one, and the remedy if
+    this one is damaged; `known` are fields that the file lacks.
 
-    Raises
-    ------
-    MissingLibraryError
-        If h5py is not installed.
-    DataFileError
-        If the file is missing, damaged or of another kind.
+    Raises MissingLibraryError if h5py is not installed, DataFileError if the file is missing,
+    damaged or of another kind.
     """
     name = kind.rpartition(" ")[0]
     try:

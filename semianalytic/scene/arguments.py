@@ -68,10 +68,7 @@ def _check_of(kind: str) -> _Check | None:
 def checking(function: Function) -> Function:
     """Let a function refuse arguments of a wrong type, by its annotations.
 
-    Raises
-    ------
-    SceneError
-        "{function}: {argument} must be {what}, got {value}."
+    It raises SceneError, "{function}: {argument} must be {what}, got {value}."
     """
     kinds = {
         name: (*check, str(annotation).endswith(" | None"))

@@ -84,21 +84,9 @@ def checked_number(
 ) -> float:
     """Return a number of any type as float, or refuse it.
 
-    Parameters
-    ----------
-    what : str
-        Owner and name of the number, for the message.
-    value : object
-        The value that was given.
-    required : str
-        The requirement, for the message.
-    admitted : callable, optional
-        Function that is true for admissible finite numbers; all are by default.
-
-    Raises
-    ------
-    SceneError
-        "{what} must {required}, got {value}.", or that it is beyond `LARGEST`.
+    `what` is the owner and name of the number and `required` the requirement, for the message;
+    `admitted` is true for admissible finite numbers, all by default.  Raises SceneError, "{what}
+    must {required}, got {value}.", or that it is beyond `LARGEST`.
     """
     number = finite(value)
     if number is None or not (admitted is None or admitted(number)):
@@ -111,12 +99,8 @@ def checked_number(
 def checked_size(what: str, value: object, required: str = "be positive and finite") -> float:
     """Return a positive modulus, density, length, time, rate or frequency as float, or refuse it.
 
-    Arguments are those of `checked_number`.
-
-    Raises
-    ------
-    SceneError
-        If it is not a positive number, or beyond `SMALLEST` or `LARGEST`.
+    Arguments are those of `checked_number`; raises SceneError if it is not a positive number, or
+    beyond `SMALLEST` or `LARGEST`.
     """
     number = checked_number(what, value, required, lambda given: given > 0)
     if number < SMALLEST:
@@ -132,21 +116,9 @@ def check_fields(
 ) -> None:
     """Replace fields of a frozen dataclass by the numbers that a check makes of them, or refuse.
 
-    Parameters
-    ----------
-    described : dataclass
-        The description, whose `__post_init__` calls this.
-    owner : str
-        Its name, for messages.
-    names : iterable of str
-        Fields that have to be numbers.
-    check : callable
-        `checked_number`, or `checked_size` for numbers that have to be positive.
-
-    Raises
-    ------
-    SceneError
-        That of the check, as "{owner}: {name} must be a finite number, got {value}."
+    `__post_init__` calls this with the owner's name for messages and the names of the fields; the
+    check is `checked_number`, or `checked_size` for numbers that have to be positive.  Raises
+    SceneError, as "{owner}: {name} must be a finite number, got {value}."
     """
     for name in names:
         # Frozen dataclasses refuse assignment, also to their own methods.
@@ -163,12 +135,8 @@ def _out_of_range(what: str, number: float) -> SceneError:
 def checked_count(what: str, value: object, least: int, required: str) -> int:
     """Return a whole number from `least` to `LARGEST_COUNT` as int, or refuse it.
 
-    Arguments are those of `checked_number`, with the least admissible number.
-
-    Raises
-    ------
-    SceneError
-        "{what} must be {required} {least}, got {value}.", or that it is too large.
+    Arguments are those of `checked_number`, with the least admissible number; raises SceneError,
+    "{what} must be {required} {least}, got {value}.", or that it is too large.
     """
     value = plain(value)
     count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
@@ -218,20 +186,8 @@ def made(
 ) -> Any:
     """Return the part of a class that a table describes; its key "kind" names the class.
 
-    Parameters
-    ----------
-    name : str
-        Name of the table.
-    described : type
-        A dataclass.
-    given : mapping
-    spelled : mapping, optional
-        Keys of fields that go by another name in files.
-
-    Raises
-    ------
-    SceneError
-        If a key is unknown or missing, or a value is out of range.
+    The class is a dataclass; `spelled` has the keys of fields that go by another name in files.
+    Raises SceneError if a key is unknown or missing, or a value is out of range.
     """
     parts = sorted(fields(described), key=lambda part: bool(part.kw_only))  # those of all laws last
     keys = {(spelled or {}).get(field.name, field.name): field for field in parts}

@@ -48,12 +48,8 @@ def traction_ahead(
 def wave_slips_ahead(scene: Scene, until: float) -> bool:
     """Return whether an incident wave alone makes the contact slip, ahead of the edge's waves.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene of any load; other loads than incident waves and remote ones make nothing slip.
-    until : float
-        Time after its front to which the history of the wave matters [time].
+    Other loads than incident waves and remote ones make nothing slip; `until` is the time after its
+    front to which the history of the wave matters [time].
     """
     if not scene.arrives:
         return False

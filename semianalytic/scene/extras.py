@@ -80,12 +80,8 @@ def how_to_install(extras: str) -> str:
     """Return the command that adds extras to this installation.
 
     An installed wheel is extended by its name, also if it came from a file.  A checkout has to be
-    installed from its folder, because no index needs to have its version.
-
-    Parameters
-    ----------
-    extras : str
-        Names of extras, separated by commas.
+    installed from its folder, because no index needs to have its version.  Names of extras are
+    separated by commas.
 
     Examples
     --------

@@ -131,14 +131,9 @@ class InSI(float):
 def unit(dimension: str, units: str = "") -> str:
     """Return the unit of a dimension in a system of units.
 
-    Parameters
-    ----------
-    dimension : str
-        The dimension, such as "length / time"; other words, such as "1" or "c_t", are returned as
-        they are.
-    units : str
-        Units of the scene: "SI", or "" for any consistent set, where the dimension itself,
-        "length/time", stands for the unit.
+    Words that are no dimension, such as "1" or "c_t", are returned as they are.  Units of the scene
+    are "SI", or "" for any consistent set, where the dimension itself, "length/time", stands for
+    the unit.
     """
     # Without a system of units the dimension stands for the unit: length/time.
     named = _SI_UNITS.get(dimension) if units == SI else None
@@ -163,26 +158,10 @@ def units_shown(dimension: str) -> str:
 def measure(text: str, dimension: str, size: Callable[[str, str], float | None] = size_of) -> float:
     """Return the number that a text such as "5cm", "30 us", "80GPa" or "0.3" stands for.
 
-    Parameters
-    ----------
-    text : str
-        A number, which a unit may follow.
-    dimension : str
-        Condition that it has to meet.
-    size : callable
-        Function of a unit's name and a dimension that returns its size in the SI, None if it is
-        not known.
-
-    Returns
-    -------
-    float
-        An `InSI` if there is a unit, else a plain number.
-
-    Raises
-    ------
-    SceneError
-        If it is no finite number, or the unit is unknown or of another dimension; the message lists
-        units.
+    A unit may follow the number, which has to meet the dimension; `size` returns the size of a
+    unit's name and a dimension in the SI, None if it is not known.  It is an `InSI` if there is a
+    unit, else a plain number.  Raises SceneError if it is no finite number, or the unit is unknown
+    or of another dimension; the message lists units.
     """
     # A number, then whatever follows it as the unit: 5cm, 30 us, 1e-3 kg/m3.
     match = _NUMBER.match(text)

@@ -55,23 +55,10 @@ def opening_of(
 ) -> OpenPart | None:
     """Return the opening under a step of pressure on a base; None if there is none.
 
-    Parameters
-    ----------
-    poisson_ratio : float
-        Poisson ratio of the solid.
-    base : float
-        Base pressure P_b > 0, in any unit of stress.
-    step : float
-        Step of pressure P_0 that is taken off the slot, in the same unit.
-    tolerance : float
-        Tolerance of the rule on which its edges are placed.
-    slowness : float
-        p, that of the front of the load over the slot [b]; 0 for a load that comes at once.
-
-    Raises
-    ------
-    ComputationError
-        If Newton's method does not place them.
+    The base pressure P_b > 0 and the step P_0 that is taken off the slot are in any one unit of
+    stress; the tolerance is that of the rule on which its edges are placed; the slowness p [b] is
+    that of the front of the load over the slot, 0 for a load that comes at once.  Raises
+    ComputationError if Newton's method does not place them.
     """
     if step < 0:
         return _from_contact_edge(poisson_ratio, -base / step, slowness)
@@ -323,12 +310,8 @@ def with_opening(
 ) -> tuple[Load, NormalFields | None]:
     """Return the load with the contact open where it opens, and the normal problem; None if closed.
 
-    `factors` are those of shear, in plane or antiplane.
-
-    Raises
-    ------
-    ComputationError
-        If the edges of the opening are not found.
+    `factors` are those of shear, in plane or antiplane.  Raises ComputationError if the edges of
+    the opening are not found.
     """
     # So little suction would open the contact within rounding of its edge.
     if -LEAST_BASE * load.base_pressure <= load.load_pressure < 0:

@@ -262,10 +262,7 @@ class GrowingZone:
 def growing_zone(factors: RayleighFactors, power: int, ratio: float) -> GrowingZone:
     """Find the edge of slip under a load and a strength that grow as t^n.
 
-    Raises
-    ------
-    SceneError
-        If no edge is slower than the Rayleigh wave (the shear wave in mode III).
+    Raises SceneError if no edge is slower than the Rayleigh wave (the shear wave in mode III).
     """
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 

@@ -192,17 +192,9 @@ def impedance_behind(factors: RayleighFactors, slowness: float) -> float:
 def spread(factors: RayleighFactors, patch: float, missing: float) -> Spreading:
     """Find the edge of motion around a patch, or a point force.
 
-    Parameters
-    ----------
-    patch : float
-        Speed over c_t, slower than the Rayleigh wave (the shear wave in mode III); 0 for a point.
-    missing : float
-        d over the excess, or over F_0 / c_t.
-
-    Raises
-    ------
-    SceneError
-        If no edge is slower than these waves.
+    `patch` is its speed over c_t, slower than the Rayleigh wave (the shear wave in mode III), 0 for
+    a point; `missing` is d over the excess, or over F_0 / c_t.  Raises SceneError if no edge is
+    slower than these waves.
     """
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 

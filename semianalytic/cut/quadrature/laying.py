@@ -85,16 +85,9 @@ def lay_panels(
 ) -> Panels:
     """Return the panels for a set of zones on a rule as fine and as long as they need.
 
-    Parameters
-    ----------
-    sets : tuple of int
-        (k, 1) if there are k sets of zones whatever the shape of their edges.
-    tail : bool
-        Whether an unbounded panel after others is included.
-    cuts : tuple of CutPoints
-        Additional ends, such as c where slip resists its rate.
-    opening : Zone or None
-        Open part of the contact; panels also end where it begins and ends.
+    `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges; `tail` says
+    whether an unbounded panel after others is included; `cuts` are additional ends, such as c where
+    slip resists its rate; panels also end where the `opening` begins and ends.
     """
     points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)

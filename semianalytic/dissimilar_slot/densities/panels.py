@@ -144,11 +144,7 @@ class Panel:
         1 - exp(-i pi (y - x_j) / h) of node x_j, y being the coordinate of v, Im y <= 0, which
         tends to 1 off the axis, and on it makes the limit from above.
 
-        Parameters
-        ----------
-        masses : (n, f) array
-            J dw at the nodes.
-        offset : (m,) array
+        The masses (n, f) are J dw at the nodes.
         """
         points, h, nodes = self.points, self.spacing, slice(0, self.count)
         left, right = self.stretch.left, self.stretch.right

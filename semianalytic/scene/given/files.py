@@ -59,11 +59,8 @@ def read_scene(path: str | Path) -> Scene:
     may be expressions of x or tables.  A number may have a unit, as in ``pressure = "5 MPa"``; all
     numbers are then those of the SI.
 
-    Raises
-    ------
-    SceneError
-        If the file cannot be read, or if a key is missing, unknown, of the wrong type or out of
-        range; the message names file and key.
+    Raises SceneError if the file cannot be read, or if a key is missing, unknown, of the wrong type
+    or out of range; the message names file and key.
     """
     return scene_of_file(read_document(path), path)
 

@@ -29,18 +29,8 @@ def with_tables(path: str | Path, document: Mapping[str, Any]) -> dict[str, Any]
     with the load itself, which is divided by that of ``[load]``.  Units in brackets, as in
     ``t [us],shear [MPa]``, need a scene in SI units.
 
-    Parameters
-    ----------
-    path : path
-        The scene file.
-    document : mapping
-        Its content.
-
-    Raises
-    ------
-    SceneError
-        If a table cannot be read, lacks columns, or has others, a unit is unknown, or the load that
-        a column is divided by is zero.
+    Raises SceneError if a table cannot be read, lacks columns, or has others, a unit is unknown, or
+    the load that a column is divided by is zero.
     """
     result = dict(document)
     for part, loads in _LOADS.items():

@@ -76,17 +76,8 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     The contact slips at the same x / (c_t t), as far as the Poisson ratio is the same; a length of
     1 becomes a metre.
 
-    Parameters
-    ----------
-    scene : Scene
-        The scene to convert.
-    solid : Material, optional
-        Solid in SI units to take in place of `SI_SOLID` and the Poisson ratio of the scene.
-
-    Raises
-    ------
-    SceneError
-        If the scene is in other units, or a parameter has a dimension that is not known.
+    A solid in SI units may take the place of `SI_SOLID` and the Poisson ratio of the scene.  Raises
+    SceneError if the scene is in other units, or a parameter has a dimension that is not known.
     """
     material = scene.material
     if scene.units == SI:
@@ -140,18 +131,9 @@ def _load_in(scales: Mapping[str, float], load: Load) -> Load:
 def scene_text(scene: Scene, origin: str = "", remark: str = "", *, with_all: bool = False) -> str:
     """Write a scene as a TOML file in which every number has its unit and meaning as a comment.
 
-    `find` reads the same scene from the file.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene to write.
-    origin : str
-        Origin of the scene, for the first line.
-    remark : str
-        A sentence about the material.
-    with_all : bool
-        Whether comments show the other loads, histories and laws, and a lower body.
+    `find` reads the same scene from the file.  Its origin stands in the first line, the remark is a
+    sentence about the material; `with_all` lets comments show the other loads, histories and laws,
+    and a lower body.
     """
     lines = _lines(scene, origin, remark, with_all=with_all)
     if not with_all:

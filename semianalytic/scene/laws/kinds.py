@@ -30,20 +30,10 @@ LAW_WORDS = ("kind", "shape", "evolution")
 def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
     """Return the law that a table with a kind and parameters describes.
 
-    Parameters
-    ----------
-    name : str
-        Name of the table.
-    table : mapping
-        Its fields, and in place of `dynamic` also `reduction`, the part of `static` that is lost.
-    coefficient : float, optional
-        The friction coefficient at rest, where it stands outside the table.
-
-    Raises
-    ------
-    SceneError
-        If the kind or a key is unknown, a key is missing or given twice, or a value is out of
-        range.
+    The table has the fields of the law, and in place of `dynamic` also `reduction`, the part of
+    `static` that is lost; the friction coefficient at rest may stand outside the table.  Raises
+    SceneError if the kind or a key is unknown, a key is missing or given twice, or a value is out
+    of range.
     """
     values = checked_table(name, table)
     kind = values.pop("kind", None)
@@ -90,10 +80,7 @@ def law_table(law: Law) -> dict[str, Any]:
 def checked_friction(friction: object) -> float | Law:
     """Return the friction of a scene: a number for Coulomb's law alone, else a law.
 
-    Raises
-    ------
-    SceneError
-        If it is neither, or negative.
+    Raises SceneError if it is neither, or negative.
     """
     if callable(friction) and not isinstance(friction, Law):
         friction = Coulomb(friction)  # a coefficient that varies along x

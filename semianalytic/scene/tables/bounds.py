@@ -35,10 +35,7 @@ _CHUNK = 2**20
 def size_of(path: Path) -> int:
     """Bytes of an ordinary file.
 
-    Raises
-    ------
-    DataFileError
-        If it is none, or cannot be looked at.
+    Raises DataFileError if it is none, or cannot be looked at.
     """
     with _readable(path):
         status = path.stat()
@@ -99,10 +96,7 @@ def too_large(path: Path, holds: str, most: str) -> DataFileError:
 def content_of(path: Path) -> bytes:
     """All bytes of a text file, unpacked if it is gzipped.
 
-    Raises
-    ------
-    DataFileError
-        If it is not an ordinary file, a damaged archive, or too large.
+    Raises DataFileError if it is not an ordinary file, a damaged archive, or too large.
     """
     check_file_size(path, LARGEST_TEXT)
     packed = beginning_of(path, 2) == b"\x1f\x8b"

@@ -93,10 +93,8 @@ def split_heading(heading: str, dimensions_of: Callable[[str], Collection[str]])
 def read_columns(path: str | PathLike[str]) -> tuple[Column, ...]:
     """Return the columns of a table.
 
-    Raises
-    ------
-    SceneError
-        If it cannot be read or has no headings: it is part of the description of a scene.
+    Raises SceneError if it cannot be read or has no headings: it is part of the description of a
+    scene.
     """
     try:
         table = read_table(Path(path))

@@ -55,10 +55,7 @@ class NamedColumns:
 def text_of(path: Path, most: int = LARGEST_TEXT) -> str:
     """All of a text file of so many bytes at most, unpacked if it is gzipped.
 
-    Raises
-    ------
-    DataFileError
-        If it is not there, not text, a damaged archive, or too large.
+    Raises DataFileError if it is not there, not text, a damaged archive, or too large.
     """
     check_file_size(path, most)
     return "\n".join(lines_of(path))
@@ -119,10 +116,8 @@ def _encoding(path: Path, content: bytes) -> str:
 def read_table(path: Path, least: int = 2) -> NamedColumns:
     """The table of a text file, of so many columns at least.
 
-    Raises
-    ------
-    DataFileError
-        If there are no numbers, or a line does not have as many as the first; the message names it.
+    Raises DataFileError if there are no numbers, or a line does not have as many as the first; the
+    message names it.
     """
     content, encoding = _decodable(path)
     reader = _Reader(path, content.count(b"\n"), least)

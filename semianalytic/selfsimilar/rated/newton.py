@@ -43,14 +43,8 @@ class Rated:
 def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: float) -> Rated:
     """Apply Newton's method to given zones, from the slip rate of a profile.
 
-    Parameters
-    ----------
-    start : Profile
-        One set of zones, which may differ from `zones`.
-    zones : sequence of Zone
-        From the longitudinal front inward.
-    tolerance : float
-        Tolerance of the quadrature rule.
+    The profile is of one set of zones, which may differ from `zones`, from the longitudinal front
+    inward; the tolerance is that of the quadrature rule.
     """
     factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
     beginning = ZoneFields(factors, load, tuple(zones), rule_for(tolerance))

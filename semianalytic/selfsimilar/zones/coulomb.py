@@ -42,14 +42,10 @@ def largest_excess(profile: Profile, rounding: float, mismatch: Array) -> Array:
     It is measured as in `violations`; ahead of the shear front it is divided by the impedance,
     because slip responds more strongly there than elsewhere.
 
-    Parameters
-    ----------
-    rounding : float
-        Excess that rounding explains, on all panels.
-    mismatch : () or (k,) array
-        Excess that the mismatch of the edges explains, on panels near a zone.  Farther from
-        them it explains none: where the base is just below friction and the step a millionth of
-        it, what is left at an edge is more than all the traction by which another zone slips.
+    `rounding` is the excess that rounding explains, on all panels; `mismatch`, () or (k,), the
+    excess that the mismatch of the edges explains, on panels near a zone.  Farther from them it
+    explains none: where the base is just below friction and the step a millionth of it, what is
+    left at an edge is more than all the traction by which another zone slips.
     """
     panels, layout = profile.panels, profile.panels.layout
     excess = profile.wrong_at_nodes[layout.stick]
@@ -120,18 +116,9 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     Either the slip rate has the wrong sign or the traction exceeds friction. Fields are not numbers
     in zones that have shrunk to nothing.
 
-    Parameters
-    ----------
-    profile : Profile
-        One set of zones.
-    tolerance : float
-        Relative to the largest slip rate; for tractions, to strength plus load, and in a narrow
-        stick gap to strength plus its share of the load.
-
-    Returns
-    -------
-    list of Violation or None
-        Empty where the law holds.
+    The tolerance is relative to the largest slip rate; for tractions, to strength plus load, and in
+    a narrow stick gap to strength plus its share of the load.  The list is empty where the law
+    holds.
     """
     if profile.fields.load.frictionless:
         # Without friction slip may have either sense, and no traction is bounded.

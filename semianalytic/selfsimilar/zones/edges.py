@@ -245,9 +245,7 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     longitudinal front: the pressure falls like that root behind the front, and so does the stress
     that a stuck strip holds there.
 
-    Parameters
-    ----------
-    unknowns, moved : (e,) or (e, k) arrays
+    Unknowns are (e,) or (e, k).
     """
     before, after = edges.parts(unknowns), edges.parts(moved)
     # The first factor is the relative change of the velocity 1/v; times max(1, 1/v) it is the

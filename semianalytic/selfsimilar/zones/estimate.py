@@ -48,12 +48,8 @@ def numerical_error(
     The coarser companion has the fields of the same zones on a coarser rule, and edges moved to
     where that rule wants them.
 
-    Parameters
-    ----------
-    fields : ZoneFields
-        Fields of the placement on the rule of the tolerance.
-    left : float
-        Shift that another step would cause.
+    The fields are those of the placement on the rule of the tolerance; `left` is the shift that
+    another step would cause.
     """
     rule = rule_for(tuning.COARSER_COMPANION * tolerance)
     coarse = ZoneFields(fields.factors, fields.load, fields.zones, rule)
@@ -168,12 +164,8 @@ def difference(
     stress intensity. Under a resistance, slip rates away from the
     contact edge are also compared with the largest of these alone.
 
-    Parameters
-    ----------
-    unknowns, moved : (e,) or (e, k) arrays
-        Edges that are right on the fine and on the coarse rule.
-    fine, coarse : ZoneFields
-        Fields of the same zones on two rules.
+    `unknowns` and `moved`, (e,) or (e, k), are the edges that are right on the fine and on the
+    coarse rule, on which `fine` and `coarse` are fields of the same zones.
     """
     compared, scale, peaks, inner = [], np.ones(()), np.zeros(()), np.ones(())
     for fields in (coarse, fine):

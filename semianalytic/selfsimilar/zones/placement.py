@@ -48,21 +48,10 @@ def locate_edges(
 ) -> Placement:
     """Locate the edges of zones by Newton's method, damped by natural monotonicity.
 
-    The Jacobian is formed from neighbouring sets of zones in one sweep with the zones themselves.
-
-    Parameters
-    ----------
-    zones : sequence of Zone
-        The guess, from the longitudinal front inward.
-    rule : Rule
-        Quadrature rule of the mismatch.
-    tolerance : float
-        The steps end once the next one would shift the edges by less than this [c_t].
-
-    Returns
-    -------
-    Placement
-        With `converged` False if zones overlap, the Jacobian is singular or steps fail.
+    The Jacobian is formed from neighbouring sets of zones in one sweep with the zones themselves, a
+    guess from the longitudinal front inward.  The steps end once the next one would shift the edges
+    by less than the tolerance [c_t]; `converged` is False if zones overlap, the Jacobian is
+    singular or steps fail.
     """
     start = placement_of(factors, zones, load)
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
