@@ -26,7 +26,8 @@ from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.field import tuning
 from semianalytic.field.body import Quantity, Sent, checked_points, fields_of, points_around
 from semianalytic.field.cells import Primitives
-from semianalytic.field.waves import SHEAR, Slowness, plane_wave, radiated
+from semianalytic.field.sources import Source
+from semianalytic.field.waves import Slowness, plane_wave, radiated
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.scene.scene import Scene
 
@@ -35,7 +36,7 @@ _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])
 
 
 @dataclass(frozen=True, eq=False)
-class BodyFace:
+class BodyFace(Source):
     """The face of one body of a pair as the `Source` of the waves in it, in the body's units."""
 
     density: Density
@@ -44,28 +45,12 @@ class BodyFace:
 
     @cached_property
     def factors(self) -> RayleighFactors:
-        """Rayleigh function of the body."""
         return rayleigh_factors(self.poisson_ratio)
 
     @property
     def _unit(self) -> float:
         """Unit of slowness, b of the body over that of the upper one."""
         return self.density.interface.compliance.bodies[self.below].b
-
-    @property
-    def slownesses(self) -> tuple[float, ...]:
-        """See `Source`."""
-        return (self.factors.a, 1.0)
-
-    @property
-    def antiplane(self) -> bool:
-        """See `Source`."""
-        return False
-
-    @property
-    def front(self) -> float:
-        """See `Source`."""
-        return 0.0
 
     @cached_property
     def _singular(self) -> list[float]:
@@ -80,51 +65,34 @@ class BodyFace:
 
     @cached_property
     def places(self) -> Array:
-        """See `Source`."""
         left = [-v / self._unit for v in self._singular]
         return np.array([*left, 0.0, self.factors.a, 1.0, self.factors.c])
 
-    @cached_property
-    def between(self) -> Array:
-        """See `Source`."""
-        return np.diff(self.places)
-
     @property
     def parting(self) -> int:
-        """See `Source`."""
         return len(self._singular)
 
     @property
     def still(self) -> tuple[float, float]:
-        """See `Source`."""
         return -self.density.interface.compliance.first / self._unit, self.factors.a
 
     @cached_property
     def ahead(self) -> Complex:
-        """See `Source`."""
         return np.zeros_like(self.behind)
 
     @cached_property
     def behind(self) -> Complex:
-        """See `Source`."""
         interface, a = self.density.interface, self.factors.a
         # Seen as an upper body, the lower one has y, and with it sigma_xy, reversed.
         shear = -interface.load_shear if self.below else interface.load_shear
         return -plane_wave(shear, "II", a) - plane_wave(-interface.load_pressure, "I", a)
 
     @property
-    def kept(self) -> int | None:
-        """See `Source`."""
-        return SHEAR
-
-    @property
     def is_coarse(self) -> bool:
-        """See `Source`."""
         parts = self.density.parts
         return bool(parts) and tolerance_of(parts[0].panel.spacing) > tuning.COARSE_FROM
 
     def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        """See `Source`."""
         place = float(self.places[owner]) if owner >= 0 else 0.0
         nodes = sum(part.panel.count for part in self.density.parts) + 1
         # Each point meets every node of every zone: in pieces, or memory would grow as their

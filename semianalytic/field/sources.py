@@ -12,7 +12,7 @@ import numpy as np
 from semianalytic.field import tuning
 from semianalytic.field.transform import Centre, Transform
 from semianalytic.field.waves import SHEAR, Complex, Slowness, densities, plane_wave, reflected_wave
-from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
 class Source(Protocol):
@@ -22,16 +22,28 @@ class Source(Protocol):
     """
 
     @property
-    def slownesses(self) -> tuple[float, ...]:
-        """Slownesses of the waves: a and b, in antiplane shear b."""
+    def factors(self) -> RayleighFactors:
+        """Rayleigh function of the body, in the mode of its waves."""
 
     @property
     def antiplane(self) -> bool:
         """Whether the waves are those of antiplane shear."""
+        return self.factors.mode == "III"
+
+    @property
+    def slownesses(self) -> tuple[float, ...]:
+        """Slownesses of the waves: a and b, in antiplane shear b."""
+        return (1.0,) if self.antiplane else (self.factors.a, 1.0)
+
+    @property
+    def kept(self) -> int | None:
+        """Row of a density that is kept without integration, if there is one."""
+        return None if self.antiplane else SHEAR
 
     @property
     def front(self) -> float:
         """Slowness p of the front of the load along the slot; 0 unless it comes along it, p > 0."""
+        return 0.0
 
     @property
     def places(self) -> Array:
@@ -40,6 +52,7 @@ class Source(Protocol):
     @property
     def between(self) -> Array:
         """Distances of singular points from the next ones, (c - 1,), exact however small."""
+        return np.diff(self.places)
 
     @property
     def parting(self) -> int:
@@ -58,10 +71,6 @@ class Source(Protocol):
         """All integrals right of the parting point, where no wave has come."""
 
     @property
-    def kept(self) -> int | None:
-        """Row of a density that is kept without integration, if there is one."""
-
-    @property
     def is_coarse(self) -> bool:
         """Whether the rule has so few digits that polynomials of a lower degree hold them."""
 
@@ -78,10 +87,14 @@ def _order(centre: Centre, other: Centre) -> int:
 
 
 @dataclass(frozen=True)
-class LikeBody:
+class LikeBody(Source):
     """The surface of a body that touches one of its own kind, under tractions of one mode."""
 
     transform: Transform
+
+    @property
+    def factors(self) -> RayleighFactors:
+        return self.transform.fields.factors
 
     @cached_property
     def _centres(self) -> list[Centre]:
@@ -104,17 +117,14 @@ class LikeBody:
 
     @cached_property
     def places(self) -> Array:
-        """See `Source`."""
         return np.array([centre.place for centre in self._centres])
 
     @cached_property
     def between(self) -> Array:
-        """See `Source`."""
         return np.array([centre.distance(other) for centre, other in pairwise(self._centres)])
 
     @cached_property
     def parting(self) -> int:
-        """See `Source`."""
         return next(i for i, centre in enumerate(self._centres) if centre is self._parting)
 
     @cached_property
@@ -127,64 +137,39 @@ class LikeBody:
 
     @property
     def still(self) -> tuple[float, float]:
-        """See `Source`."""
-        a = self.transform.fields.factors.a
-        return -a, a
+        return -self.factors.a, self.factors.a
 
     @property
     def front(self) -> float:
-        """See `Source`."""
         return max(self.transform.fields.load.slowness, 0.0)
 
     @property
-    def slownesses(self) -> tuple[float, ...]:
-        """See `Source`."""
-        return (1.0,) if self.antiplane else (self.transform.fields.factors.a, 1.0)
-
-    @property
-    def antiplane(self) -> bool:
-        """See `Source`."""
-        return self._mode == "III"
-
-    @property
-    def kept(self) -> int | None:
-        """See `Source`."""
-        return None if self.antiplane else SHEAR
-
-    @property
     def is_coarse(self) -> bool:
-        """See `Source`."""
         return self.transform.fields.rule.tolerance > tuning.COARSE_FROM
-
-    @property
-    def _mode(self) -> Mode:
-        return self.transform.fields.factors.mode
 
     @cached_property
     def ahead(self) -> Complex:
         """All integrals where no wave from the edge has come, x > 0: slip ahead of all waves."""
-        factors, load = self.transform.fields.factors, self.transform.fields.load
+        factors, load = self.factors, self.transform.fields.load
         far = float(np.asarray(load.far_slip_rate).ravel()[0])
-        return -plane_wave(far, self._mode, factors.a)
+        return -plane_wave(far, factors.mode, factors.a)
 
     @cached_property
     def behind(self) -> Complex:
         """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
-        factors, load = self.transform.fields.factors, self.transform.fields.load
+        factors, load = self.factors, self.transform.fields.load
         if self.transform.pole is not None:
             # A front slower than the first wave parts nothing: its pole is one of the singular
             # points.
             if self._parting is not self.transform.pole:  # no plane wave is ahead of others
                 return self.ahead
-            reflected = reflected_wave(factors, self._mode, load.load_shear, load.slowness)
+            reflected = reflected_wave(factors, factors.mode, load.load_shear, load.slowness)
             return self.ahead - reflected
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
-        return self.ahead - plane_wave(at_zero, self._mode, factors.a)
+        return self.ahead - plane_wave(at_zero, factors.mode, factors.a)
 
     def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        """See `Source`."""
-        centre = self._centres[owner] if owner >= 0 else Centre(0)
-        factors = self.transform.fields.factors
+        centre, factors = self._centres[owner] if owner >= 0 else Centre(0), self.factors
         fronts = np.array([factors.a, 1.0, factors.in_plane.c])
         left, right = (offset + gaps[:, None, None] for gaps in centre.fronts(fronts))
         at = Slowness(factors, centre.place + offset, left, right)
