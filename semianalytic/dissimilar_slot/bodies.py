@@ -14,7 +14,7 @@ i being the other body, in which nothing has a pole at a Rayleigh wave and det N
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partialmethod
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -157,25 +157,8 @@ class PairBodies:
     density: Density
     stress_unit: float
 
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity; see `PairSolution.velocity`."""
-        return self._rows("velocity", x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress; see `PairSolution.stress`."""
-        rows = self._rows("stress", x, y, t)
-        # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
-        # known.
-        rows[1] -= self.scene.base.pressure
-        rows[2] += self.scene.base.shear
-        return rows
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement; see `PairSolution.displacement`."""
-        return self._rows("displacement", x, y, t)
-
-    def _rows(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the rows of a quantity in either body, stress beyond the base, (q, ...)."""
+    def _fields(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return a quantity, (q, ...); see `PairSolution.velocity`, `stress` and `displacement`."""
         x, y, t = checked_points(x, y, t)
         rows = np.zeros((3 if quantity == "stress" else 2, *x.shape))
         for below, body in enumerate(self.scene.bodies):
@@ -185,7 +168,16 @@ class PairBodies:
             over = {"velocity": body.shear_impedance, "displacement": body.shear_modulus}
             unit = self.stress_unit / over.get(quantity, 1.0)
             rows[:, here] = unit * fields_of([self._sent[below]], quantity, at)
+        if quantity == "stress":
+            # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
+            # known.
+            rows[1] -= self.scene.base.pressure
+            rows[2] += self.scene.base.shear
         return rows
+
+    velocity = partialmethod(_fields, "velocity")
+    stress = partialmethod(_fields, "stress")
+    displacement = partialmethod(_fields, "displacement")
 
     @cached_property
     def error(self) -> float:

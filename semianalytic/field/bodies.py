@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial, partialmethod
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,38 +50,25 @@ class Bodies:
     stress_unit: float  # [stress]
     tolerance: float  # tolerance of the rule on which transforms are formed
 
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the particle velocity; see `Solution.velocity`."""
-        unit = self.stress_unit / self.scene.material.shear_impedance
-        return self._with_wave(unit * self._rows("velocity", x, y, t), "velocity", x, y, t)
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the stress; see `Solution.stress`."""
-        rows = self.stress_unit * self._rows("stress", x, y, t)
-        if isinstance(self.scene.load, IncidentWave):
-            rows = self._with_wave(rows, "stress", x, y, t)
-            rows[1] -= self.scene.before_load.pressure
-            rows[-1] += self.scene.before_load.shear
-            return rows
-        # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
-        # known.
-        rows[1] -= traction_ahead(self.scene, "pressure", x, t)
-        rows[-1] += traction_ahead(self.scene, "shear", x, t)
+    def _fields(self, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Return a quantity, (n, ...); see `Solution.velocity`, `stress` and `displacement`."""
+        scene, load = self.scene, self.scene.load
+        material, wave = scene.material, isinstance(load, IncidentWave)
+        over = {"velocity": material.shear_impedance, "displacement": material.shear_modulus}
+        rows = self.stress_unit / over.get(quantity, 1.0) * self._rows(quantity, x, y, t)
+        if wave:
+            rows = rows + plane_wave(load, (material,), quantity, (x, y, t))[: len(rows)]
+        if quantity == "stress":
+            # Pressure is positive in compression, sigma_yy in tension; sigma_xx of the base is not
+            # known.  The wave has its own tractions.
+            base, ahead = scene.before_load, partial(traction_ahead, scene, x=x, t=t)
+            rows[1] -= base.pressure if wave else ahead("pressure")
+            rows[-1] += base.shear if wave else ahead("shear")
         return rows
 
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Return the displacement; see `Solution.displacement`."""
-        unit = self.stress_unit / self.scene.material.shear_modulus
-        return self._with_wave(unit * self._rows("displacement", x, y, t), "displacement", x, y, t)
-
-    def _with_wave(
-        self, rows: Array, quantity: Quantity, x: ArrayLike, y: ArrayLike, t: ArrayLike
-    ) -> Array:
-        """Return rows (n, ...) of a quantity with those of an incident wave added."""
-        load = self.scene.load
-        if isinstance(load, IncidentWave):
-            rows = rows + plane_wave(load, (self.scene.material,), quantity, (x, y, t))[: len(rows)]
-        return rows
+    velocity = partialmethod(_fields, "velocity")
+    stress = partialmethod(_fields, "stress")
+    displacement = partialmethod(_fields, "displacement")
 
     @cached_property
     def error(self) -> float:
