@@ -7,7 +7,6 @@ from typing import Any
 
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.delay import LinearLaw
-from semianalytic.scene.laws.law import not_negative
 from semianalytic.scene.quantities import with_quantities
 
 
@@ -46,14 +45,7 @@ class Coulomb(LinearLaw):
     cohesion: Any = 0.0
     viscosity: Any = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        not_negative(
-            "Coulomb",
-            friction=self.friction,
-            cohesion=self.cohesion,
-            viscosity=self.viscosity,
-        )
+    _not_negative = ("friction", "cohesion", "viscosity")
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return f p + cohesion + viscosity |V|; see `Law.strength`."""

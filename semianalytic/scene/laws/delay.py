@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite
-from semianalytic.scene.laws.law import Law, not_negative
+from semianalytic.scene.laws.law import Law, not_negative, positive
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -35,12 +35,19 @@ class DelayedLaw(Law):
     delay: Any = 0.0
     delay_slip: Any = 0.0
 
+    # fields of the law that have to be 0 or more, and above 0
+    _not_negative: ClassVar[tuple[str, ...]] = ()
+    _positive: ClassVar[tuple[str, ...]] = ()
+
     def __post_init__(self) -> None:
         # The class is frozen; numbers are stored as plain floats, whatever their type was.
         for field in fields(self):
             if (number := finite(getattr(self, field.name))) is not None:
                 object.__setattr__(self, field.name, number)
-        not_negative(type(self).__name__, delay=self.delay, delay_slip=self.delay_slip)
+        owner = type(self).__name__
+        names = ("delay", "delay_slip", *self._not_negative)
+        not_negative(owner, **{name: getattr(self, name) for name in names})
+        positive(owner, **{name: getattr(self, name) for name in self._positive})
 
     def pressure_delay(self, speed: Array) -> Any:
         """Return the time in which friction follows pressure; see `Law.pressure_delay`."""

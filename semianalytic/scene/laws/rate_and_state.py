@@ -67,12 +67,12 @@ class RateAndState(DelayedLaw):
     weakening_rate: Any = None
 
     has_threshold = False
+    _not_negative = ("b", "f0")
+    _positive = ("a", "v0", "distance")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         owner = "RateAndState"
-        positive(owner, a=self.a, v0=self.v0, distance=self.distance)
-        not_negative(owner, b=self.b, f0=self.f0)
         checked_word(f"{owner}: evolution", self.evolution, ("ageing", "slip"))
         if self.theta is not None:
             positive(owner, theta=self.theta)

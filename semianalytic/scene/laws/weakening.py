@@ -11,7 +11,6 @@ import numpy as np
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
-from semianalytic.scene.laws.law import not_negative, positive
 from semianalytic.scene.quantities import with_quantities
 
 
@@ -58,12 +57,12 @@ class SlipWeakening(LinearLaw):
         default="linear", metadata={"dimension": "", "meaning": "linear or exponential"}
     )
 
+    _not_negative = ("static", "dynamic", "cohesion")
+    _positive = ("distance",)
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        owner = "SlipWeakening"
-        not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
-        positive(owner, distance=self.distance)
-        checked_word(f"{owner}: shape", self.shape, ("linear", "exponential"))
+        checked_word("SlipWeakening: shape", self.shape, ("linear", "exponential"))
 
     def _left(self, state: Array) -> Array:
         if self.shape == "linear":
@@ -120,10 +119,7 @@ class ForcedFront(LinearLaw):
     arrival: Any
     fall: Any = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        owner = "ForcedFront"
-        not_negative(owner, static=self.static, dynamic=self.dynamic, fall=self.fall)
+    _not_negative = ("static", "dynamic", "fall")
 
     def evolved(self, state: Array, speed: Array, time: float) -> Array:
         """Return the time since t = 0; see `Law.evolved`."""
@@ -170,11 +166,8 @@ class RateWeakening(DelayedLaw):
     rate: Any
     cohesion: Any = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        owner = "RateWeakening"
-        not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
-        positive(owner, rate=self.rate)
+    _not_negative = ("static", "dynamic", "cohesion")
+    _positive = ("rate",)
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return the strength at a speed; see `Law.strength`."""
