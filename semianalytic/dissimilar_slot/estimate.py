@@ -9,6 +9,7 @@ from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import sinc_step
 
 _COMPARED = np.linspace(-6.0, 6.0, 25)
 """Coordinates x of a panel at which rates are compared: between them they differ no more."""
@@ -51,8 +52,6 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
 
 def _rates(density: Density) -> Array:
     """Return V and U, (n, 2), at points of every panel and at its end."""
-    from scipy.special import sici  # here, for a quick import
-
     rate, result = np.zeros(2), []
     zone = -1
     on_panels = zip(density.parts, density.slopes, density.amplitudes, strict=True)
@@ -62,10 +61,9 @@ def _rates(density: Density) -> Array:
         if panel.zone != zone and density.zones[panel.zone].left != stop:
             rate = np.zeros(2)
         zone = panel.zone
-        # The integral of sinc up to x is 1/2 + Si(pi n) / pi for the node n steps before it.
         nodes = panel.first + np.arange(panel.count)
         steps = _COMPARED[:, None] / panel.spacing - nodes
-        result += [*(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)]
+        result += [*(rate + sinc_step(steps) @ slope)]
         rate = rate + density.panel_change(part, slope, amplitude)
         result.append(rate)
     return np.array(result)

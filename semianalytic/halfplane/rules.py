@@ -138,7 +138,7 @@ class Rule:
         return nodes, np.concatenate([before, density, after], axis=-1)
 
 
-def _sinc_step(x: Array) -> Array:
+def sinc_step(x: Array) -> Array:
     """Return the integral of sinc from -inf to x."""
     from scipy.special import sici  # here, for `import semianalytic` is to be quick
 
@@ -150,11 +150,11 @@ def _stepped(x: Array, first: int, values: Array) -> Array:
     count = len(values)
     near = (x > first) & (x < first + count)
     if np.count_nonzero(near) < 6:  # few points are quicker with Si(pi x) at each
-        return np.asarray(_sinc_step(x[:, None] - (first + np.arange(count))) @ values)
+        return np.asarray(sinc_step(x[:, None] - (first + np.arange(count))) @ values)
     result, whole = np.empty((len(x), *values.shape[1:])), np.floor(x[near])
     if not near.all():
         # Positions beyond the nodes, which may be infinite, are not in the table.
-        result[~near] = _sinc_step(x[~near, None] - (first + np.arange(count))) @ values
+        result[~near] = sinc_step(x[~near, None] - (first + np.arange(count))) @ values
     most = 2 ** int(np.ceil(np.log2(count)))
     orders = np.arange(_STEP_TERMS) * np.arccos(2 * (x[near] - whole)[:, None] - 1)
     # Convolved once for all points: 400 points then take about half as long (250 to 1,500 nodes),
@@ -178,7 +178,7 @@ def _step_table(most: int) -> Array:
     """Return Chebyshev series in f of the integral of sinc to j + f, j = most ... -most."""
     orders = np.arange(_STEP_TERMS)
     turn = np.pi * (orders + 0.5) / _STEP_TERMS
-    values = _sinc_step((1 + np.cos(turn))[:, None] / 2 + np.arange(most, -most - 1, -1.0))
+    values = sinc_step((1 + np.cos(turn))[:, None] / 2 + np.arange(most, -most - 1, -1.0))
     onto = np.cos(orders[:, None] * turn) * np.where(orders, 2, 1)[:, None] / _STEP_TERMS
     return np.asarray(onto @ values)
 

@@ -25,6 +25,7 @@ from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
 from semianalytic.dissimilar_slot.densities.poles import Pole
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import sinc_step
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 """Functions of a profile: V, U, their integrals over slowness, tau and sigma beyond the base."""
@@ -261,11 +262,7 @@ def _offsets(between: bool) -> Array:
 @lru_cache(maxsize=64)
 def _running(nodes: int, intervals: int, between: bool = False) -> Array:
     """Return integrals of sinc functions, over the spacing, up to all points of intervals."""
-    from scipy.special import sici  # here, for a quick import
-
-    steps = _apart(nodes - between, intervals, between)
-    # int_-inf^x sinc = 1/2 + Si(pi x) / pi.
-    return np.asarray(0.5 + sici(np.pi * steps)[0] / np.pi)
+    return sinc_step(_apart(nodes - between, intervals, between))
 
 
 @lru_cache(maxsize=64)
