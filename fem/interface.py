@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
-
-Array = NDArray[np.float64]
 
 
 class ContactFace(NamedTuple):

@@ -15,14 +15,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem.interface import KickTractions
+from semianalytic.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def kick_means(history: LoadHistory, step: float, steps: int) -> Array:

@@ -18,6 +18,7 @@ from fem.march import March, Walls, body_matrix, face_pair, half_window, unknown
 from fem.plan import TWO_MATERIALS, Plan
 from fem.stepping import MarchedBody, critical_step, highest_frequency
 from meshes import mesh_of
+from semianalytic.arrays import Array
 
 LAYER = 4
 """Elements in a layer of nodes whose unknowns begin to move together."""
@@ -25,7 +26,7 @@ LAYER = 4
 
 def number_by_arrival(
     space: Space, size: float, *, slides: bool
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.int64], Array]:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
     The size is that of elements [length].  Where the interface slides ahead of all waves of the
@@ -85,8 +86,8 @@ class Model(March):
     plan: Plan
     space: Space
     place: NDArray[np.int64]
-    contact_x: NDArray[np.float64]
-    slot_x: NDArray[np.float64]
+    contact_x: Array
+    slot_x: Array
     slot: NDArray[np.int64]
     critical_step: float
     steps: int

@@ -14,6 +14,7 @@ from fem.loading import arrived_wave
 from fem.march import unknowns_of
 from fem.model import Model
 from fem.results import ContactOpening, EnergyHistory, SlotHistory
+from semianalytic.arrays import Array
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
@@ -86,7 +87,7 @@ class MeshRecord:
             joint = self.model.joint
             self._final[:] = joint.path[SEEN], joint.work_density()[SEEN]
 
-    def _store(self, step: int, gap: NDArray[np.float64]) -> None:
+    def _store(self, step: int, gap: Array) -> None:
         joint, row, dt = self.model.joint, self._row, self.model.time_step
         slip, _, shear, pressure = self._interface[:, row]
         shear[:], pressure[:] = joint.shear[SEEN], joint.pressure[SEEN]
@@ -120,7 +121,7 @@ class MeshRecord:
         for row in np.flatnonzero(self._levels == step + half):
             rates[row] = slip
 
-    def _sums(self) -> NDArray[np.float64]:
+    def _sums(self) -> Array:
         """Return the totals of the contact at this level, in the order of `Totals`."""
         joint, length = self.model.joint, self.model.joint.length
         if joint.sliding is None:
@@ -134,7 +135,7 @@ class MeshRecord:
             ]
         )
 
-    def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
+    def _note_opening(self, step: int, gap: Array) -> None:
         """Record a gap, (n,), that is open somewhere."""
         x, length = self.model.contact_x[SEEN], self.model.joint.length
         lengths = length[SEEN].copy()
@@ -189,7 +190,7 @@ class MeshRecord:
             "opened": None if math.isinf(first) else ContactOpening(first, place, largest, length),
         }
 
-    def _whole_velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _whole_velocity(self, times: Array) -> Array:
         """Return the velocity of the slot, (2, m, n), with an incident wave as part of it."""
         scene, places = self.model.plan.scene, np.zeros_like(self._slot_x)
         waves = [arrived_wave(scene, self._slot_x, places, t) for t in times.tolist()]

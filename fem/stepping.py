@@ -27,10 +27,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
+from semianalytic.arrays import Array
 
-def normalised(
-    stiffness: sparse.csr_array, mass: NDArray[np.float64]
-) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+
+def normalised(stiffness: sparse.csr_array, mass: Array) -> tuple[sparse.csr_array, Array]:
     """Return the stiffness in mass-normalised unknowns, and the roots of their masses.
 
     The stiffness (m n, m n) has m components per node, the lumped masses are (n,).  The first
@@ -118,11 +118,11 @@ class MarchedBody:
 
     components: tuple[int, ...]
     matrix: sparse.csr_array
-    root: NDArray[np.float64]
+    root: Array
     damping: float
-    arrival: NDArray[np.float64]
+    arrival: Array
     sides: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    absorption: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    absorption: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         unknowns = self.matrix.shape[0]
@@ -136,7 +136,7 @@ class MarchedBody:
         self.ease[self.sides] = 1 / (1 + self.absorption)
         self._z = np.where(self.absorption < np.inf, self.absorption, 0.0)
         self._damped = np.zeros(unknowns)  # U + (eta/dt) D
-        self._force: dict[int, NDArray[np.float64]] = {}  # of each strip, by its first unknown
+        self._force: dict[int, Array] = {}  # of each strip, by its first unknown
         self._strips: list[tuple[slice, sparse.csr_array]] = []
         self._taken = 0.0  # (D of the past step) . force
         self._square = 0.0  # U . A U
@@ -198,12 +198,12 @@ class MarchedBody:
         results = [work(rows, matrix) for rows, matrix in self._strips]
         return [sum(values) for values in zip(*results, strict=True)]
 
-    def state(self) -> dict[str, NDArray[np.float64]]:
+    def state(self) -> dict[str, Array]:
         """The state from which the march continues, after a drift; the arrays are not copies."""
         sums = np.array([self._square, self._inside])
         return {"displacement": self.displacement, "increment": self.increment, "sums": sums}
 
-    def restore(self, state: Mapping[str, NDArray[np.float64]]) -> None:
+    def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the state of another body of the same model, to the last bit."""
         self.displacement[:], self.increment[:] = state["displacement"], state["increment"]
         self._square, self._inside = state["sums"].tolist()
@@ -228,7 +228,7 @@ class MarchedBody:
         )
 
 
-def _dot(vector: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _dot(vector: Array, other: Array) -> float:
     """Return a scalar product without BLAS, whose threads wait for one another when busy."""
     return float(np.einsum("i,i", vector, other))
 

@@ -23,10 +23,9 @@ from compare.comparison.scales import stress_scale
 from compare.output.tables import csv_text
 from compare.records.record import QUANTITIES
 from semianalytic import solve
+from semianalytic.arrays import Array
 from semianalytic.results.answer import TOTALS, method_of
 from semianalytic.whole_line.drive import Drive
-
-Array = NDArray[np.float64]
 
 RTOL, PAIR_RTOL = 1e-12, 1e-10
 NODES = 2000

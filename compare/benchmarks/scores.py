@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.benchmarks import answers
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
@@ -23,10 +22,9 @@ from compare.records.record import AFTER, QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import pooled, station_norm
+from semianalytic.arrays import Mask
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import lines_of
-
-Array = NDArray[np.float64]
 
 ARRIVAL = "arrival"
 GRADED = (ARRIVAL, *QUANTITIES)
@@ -163,7 +161,7 @@ def class_of(sheet: Sheet, quantity: str, error: float) -> str:
     )
 
 
-def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
+def _near(sheet: Sheet, x: float) -> Mask:
     """Return which stations of a sheet are at a position, (k,)."""
     return np.asarray(np.abs(np.array(sheet.stations) - x) <= 1e-3 * sheet.extent)
 

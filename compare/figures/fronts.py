@@ -10,8 +10,8 @@ import numpy as np
 
 from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts, wave_speeds
-from compare.figures.quantities import Array
 from compare.output.field_files import Fields, shown_speed
+from semianalytic.arrays import Array
 from semianalytic.results.in_words import kind_of_slip
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene

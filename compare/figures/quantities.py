@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
 from compare.output.field_files import Fields, in_parts, resolved
 from semianalytic import Scene, SceneError, fringes
+from semianalytic.arrays import Array
 from semianalytic.results.derived import principal_difference
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import unit
-
-Array = NDArray[np.float64]
 
 FRINGES = 4
 """Default number of fringes per reference stress τ₀."""

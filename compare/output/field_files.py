@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from compare.output.places import write_text
 from compare.output.tables import csv_text
+from semianalytic.arrays import Array
 from semianalytic.results.derived import strain
 from semianalytic.scene.units import unit
 
-Array = NDArray[np.float64]
 Fields = Any
 """Answers that hold the fields in both bodies, and those of the contact."""
 SHOWN = 4.0

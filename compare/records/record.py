@@ -6,10 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array, Mask
 
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is
@@ -46,7 +43,7 @@ class Record:
     noise: Mapping[str, Array] = field(default_factory=dict)
     name: str = ""
 
-    def taken(self, samples: slice | NDArray[np.bool_]) -> Record:
+    def taken(self, samples: slice | Mask) -> Record:
         """Return position, times and values of some samples."""
         values = {name: value[samples] for name, value in self.values.items()}
         return Record(self.x, self.t[samples], values)

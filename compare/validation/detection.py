@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.record import AFTER, BEFORE, QUANTITIES, Array, Records
+from compare.records.record import AFTER, BEFORE, QUANTITIES, Records
 from compare.validation.conventions import WORDS, Conventions
 from compare.validation.exact import (
     POINT,
@@ -35,6 +35,7 @@ from compare.validation.readings import (
     turn_words,
 )
 from semianalytic import Scene
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 LITTLE = 0.25

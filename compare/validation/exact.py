@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Scene, solve
+from semianalytic.arrays import Array, Mask
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer, method_of
-
-Array = NDArray[np.float64]
 
 POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""
@@ -125,7 +124,7 @@ def farthest(scene: Scene, end_time: float) -> float:
     return max(body.longitudinal_speed for body in scene.bodies) * end_time
 
 
-def compared(scene: Scene, x: ArrayLike, end_time: float) -> NDArray[np.bool_]:
+def compared(scene: Scene, x: ArrayLike, end_time: float) -> Mask:
     """Return which positions (n,) lie on the contact, where waves come until an end time."""
     x = np.asarray(x, dtype=float)
     return scene.contact.touches(x) & (np.abs(x) <= farthest(scene, end_time))

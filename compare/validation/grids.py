@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.bars import observed_order
 from compare.records.record import Record, Records
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import station_size, weights
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 SMEAR: dict[str, float] = {
     "slip_rate": 1.0,

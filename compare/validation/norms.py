@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.measures import NOTHING
 from compare.records.record import Record
 from compare.validation.exact import AT_TIME, Exact, Sampling
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.judging import BY_LITTLE
 from compare.comparison.measures import NOTHING, nearest, onset_time
@@ -21,8 +20,7 @@ from compare.validation.bars import ALARM, SCATTER, TELLING, Bar, JudgedRow, poo
 from compare.validation.exact import Exact, compared
 from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array, Mask
 
 PLACES = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Positions over c_t T.  If a run has more stations, only those nearest to these have own rows."""
@@ -330,7 +328,7 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
     yield bar.row(name, kind, 1.0, seen, seen - 1, unit="exact", relative=True, obstacle=obstacle)
 
 
-def _slides(exact: Exact, record: Record, band: float) -> NDArray[np.bool_]:
+def _slides(exact: Exact, record: Record, band: float) -> Mask:
     """Return where the exact contact slides at a record, even if a grid smeared the slip rate."""
     rate = np.abs(exact.record("slip_rate", record.x, record.t))
     traction = np.abs(exact.record("shear_traction", record.x, record.t))

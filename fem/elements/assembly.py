@@ -15,6 +15,7 @@ from skfem.mesh import Mesh
 
 from fem.elements.families import FAMILIES, Family, Integrals, apart, integrals_of
 from meshes import side_nodes
+from semianalytic.arrays import Array
 from semianalytic.scene.scene import Material
 
 ROUNDED = 1e-13
@@ -76,7 +77,7 @@ class Space:
         return Basis(self.mesh, self.family.kind, quadrature=middle)
 
     @property
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Array:
         """Positions of the nodes [length], (2, n)."""
         return self.mesh.p
 
@@ -167,9 +168,7 @@ def _assembler(
     return assembled
 
 
-def lumped_mass(
-    space: Space, material: Material, place: NDArray[np.int64] | None = None
-) -> NDArray[np.float64]:
+def lumped_mass(space: Space, material: Material, place: NDArray[np.int64] | None = None) -> Array:
     """Return the mass of each node per unit thickness, (n,) [mass / length], like `stiffness`.
 
     Quadrature at the nodes makes the mass matrix diagonal.
@@ -179,7 +178,7 @@ def lumped_mass(
     return np.asarray(np.bincount(nodes.ravel(), mass.ravel()), dtype=np.float64)
 
 
-def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], Array]:
     """Return the nodes of a horizontal side and the length of the side that belongs to each.
 
     They are in order of increasing x; the lengths are int phi ds over the side [length].  Inner
@@ -197,7 +196,7 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
     return nodes, lengths
 
 
-def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
+def _element_stiffness(space: Space, material: Material) -> Array:
     """Integrate the stiffness of an element of each shape, (shapes, k, k, 2, 2) [stress].
 
     With D_ij = int d_i phi_a d_j phi_b, the block of two nodes a, b is

@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
 from skfem.element import Element
 from skfem.mesh import Mesh
+
+from semianalytic.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +31,12 @@ class Family:
     """
 
     kind: Element
-    nodal: tuple[NDArray[np.float64], NDArray[np.float64]]
+    nodal: tuple[Array, Array]
     order: int
     shape: type[Mesh]
 
     @property
-    def centre(self) -> NDArray[np.float64]:
+    def centre(self) -> Array:
         """Middle of the reference element, (2, 1)."""
         return self.nodal[0].mean(axis=1, keepdims=True)
 
@@ -86,13 +87,13 @@ class Integrals(NamedTuple):
         int phi_a, by the quadrature that makes the mass matrix diagonal [length^2].
     """
 
-    xx: NDArray[np.float64]
-    yy: NDArray[np.float64]
-    xy: NDArray[np.float64]
-    area: NDArray[np.float64]
+    xx: Array
+    yy: Array
+    xy: Array
+    area: Array
 
 
-def apart(kind: type[Mesh], corners: NDArray[np.float64], count: int) -> Mesh:
+def apart(kind: type[Mesh], corners: Array, count: int) -> Mesh:
     """Return a mesh of so many elements that share no node, from their corners in turn, (2, n)."""
     numbers = np.arange(corners.shape[1]).reshape(count, -1)
     return kind(corners, np.ascontiguousarray(numbers.T))

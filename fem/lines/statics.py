@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import lapack
 
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 ALIKE = 1e-12
 """Part of the stiffness by which a block may differ from its mirror image: its rounding."""

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
 from semianalytic import Marched, Scene
+from semianalytic.arrays import Array
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
-
-Array = NDArray[np.float64]
 
 KINDS = ("stick", "slip", "reverse slip", "open")
 """States of the contact; arrays store the index of a state."""

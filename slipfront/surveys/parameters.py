@@ -6,15 +6,14 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.parameters.numbers import numbers_of, spelled
 from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find
 from semianalytic.scene.scene import Scene
 
-Array = NDArray[np.float64]
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 
 

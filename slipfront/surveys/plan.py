@@ -16,18 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
-from slipfront.surveys.parameters import (
-    Array,
-    checked_subject,
-    checked_values,
-    parameter_name,
-)
+from slipfront.surveys.parameters import checked_subject, checked_values, parameter_name
 
 Region = tuple[slice, ...]
 

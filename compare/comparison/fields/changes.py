@@ -8,14 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.fields.fronts import Fronts, TwoBodies
 from compare.comparison.fields.pairs import Norms, Pair, area_norm, norms_of
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from semianalytic.arrays import Array, Mask
 
 PARTS = ("whole", "outside the band")
 SAME = 1e-6

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
@@ -25,7 +24,6 @@ from semianalytic.results.gridded import AnswerInBodies
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
 
 BAND = 2.0
 """Half-width of the band around a front, in elements."""

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.snapshots import frame_mesh, listed_frames
+from semianalytic.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
-
-Array = NDArray[np.float64]
 
 IN_PLANE = ("sigma_xx", "sigma_yy", "sigma_xy")
 OUT_OF_PLANE = ("sigma_xz", "sigma_yz")
@@ -40,7 +39,7 @@ class Places:
     area: Array
     fields: dict[str, Array]
 
-    def at(self, chosen: NDArray[np.bool_]) -> Places:
+    def at(self, chosen: Mask) -> Places:
         """Return the chosen places."""
         some = {name: values[chosen] for name, values in self.fields.items()}
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic import Scene
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 FLANK = 0.1
 """Least change of a load, over its largest value, in a flank that counts as a jump."""

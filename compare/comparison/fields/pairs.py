@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
 from compare.output.field_files import resolved
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.gridded import AnswerInBodies
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 SAMPLED = 60_000
 """Largest number of nodes or elements at which displacement and stress are compared.
