@@ -20,7 +20,14 @@ from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
 from semianalytic.arrays import Array
-from semianalytic.scene.checks import check_fields, check_keys, checked_size, finite, shown
+from semianalytic.scene.checks import (
+    check_fields,
+    check_keys,
+    checked_size,
+    checked_word,
+    finite,
+    shown,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.law import Law
@@ -88,9 +95,7 @@ class Block:
                 f"block: left must be below right, got {self.left:g} and {self.right:g}."
             )
         for name, kind in self.kinds.items():
-            if kind not in SIDES:
-                known = ", ".join(SIDES)
-                raise SceneError(f"block: {name}_side must be one of {known}, got {shown(kind)}.")
+            checked_word(f"block: {name}_side", kind, SIDES)
         for name, traction in (*self.preload.items(), *self.load.items()):
             if name.removesuffix("_side") not in self.kinds or not name.endswith("_side"):
                 raise SceneError(

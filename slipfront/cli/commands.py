@@ -16,8 +16,8 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
+from semianalytic.scene.checks import checked_word
+from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.plugins import plugin_at_fault
 from slipfront.cli.endings.faults import READER_GONE, crashed, printable
@@ -95,8 +95,7 @@ def slipfront(
     """Where, when, how fast and which way a frictional interface slips after a sudden load."""
     if log is None:
         return
-    if log not in _LEVELS:
-        raise SceneError(f"--log must be one of {', '.join(_LEVELS)}, got {shown(log)}.")
+    checked_word("--log", log, _LEVELS)
     handler = _ToTerminal()
     for name in ("slipfront", "semianalytic", "fem", "meshes", "compare"):
         logger = logging.getLogger(name)
