@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from compare.comparison.fields.frames import Frame, Places
-from compare.comparison.fields.fronts import Fronts, TwoBodies
+from compare.comparison.fields.fronts import SceneFronts
 from compare.comparison.fields.pairs import Norms, Pair, area_norm, norms_of
 from semianalytic.arrays import Array, Mask
 
@@ -53,7 +53,7 @@ class FieldChange:
 def field_changes(
     last: dict[str, Pair],
     frames: Sequence[Frame],
-    fronts: Fronts | TwoBodies,
+    fronts: SceneFronts,
     width: float,
     predict: Callable[[Frame], dict[str, Pair]],
 ) -> tuple[FieldChange, ...]:

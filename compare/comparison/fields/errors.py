@@ -13,7 +13,7 @@ import numpy as np
 from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
 from compare.comparison.fields.frames import Frame, last_frame, read_frame
-from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, fronts_of
+from compare.comparison.fields.fronts import SceneFronts, fronts_of
 from compare.comparison.fields.pairs import Pair, frame_pairs, norms_of
 from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
@@ -167,7 +167,7 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
 
 
 def pair_errors(
-    pairs: dict[str, Pair], fronts: Fronts | TwoBodies, time: float, width: float
+    pairs: dict[str, Pair], fronts: SceneFronts, time: float, width: float
 ) -> Iterator[FieldError]:
     """Errors of all components of a frame at a time [time].
 
@@ -190,11 +190,9 @@ def pair_errors(
 
 def fronts_in(
     prediction: Answer | PairSolution, scene: Scene, shortest: float = 0.0
-) -> Fronts | TwoBodies:
+) -> SceneFronts:
     """Fronts of a scene, including those of the zones and openings of a prediction; flanks of loads
     that are shorter than a time count as jumps."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
-    if scene.lower_material is not None:
-        return fronts_between(prediction.scene, edges)
     return fronts_of(scene, edges, shortest)

@@ -88,43 +88,15 @@ class Fronts:
 
 
 @dataclass(frozen=True)
-class TwoBodies:
-    """The fronts in two different bodies.
+class SceneFronts:
+    """The fronts of a scene: alike in both bodies, or in the upper body and in the lower one."""
 
-    Attributes
-    ----------
-    upper, lower : Fronts
-    """
-
-    upper: Fronts
-    lower: Fronts
+    bodies: tuple[Fronts, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
         """Distance of points from the nearest front of their body, or from the edge [length]."""
-        above, below = (body.distance(x, y, t) for body in (self.upper, self.lower))
-        return np.where(np.signbit(y), below, above)
-
-
-def fronts_between(scene: Scene, edges: Sequence[float] = ()) -> TwoBodies:
-    """Return the fronts that a step on the slot sends into two different bodies.
-
-    Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
-    of a zone, sends straight fronts into that body.  Edges are the velocities of the ends of slip
-    zones and openings [length / time].
-    """
-    bodies, load = scene.bodies, scene.superposition.taken_off
-    moving = [edge for edge in edges if 0 < edge < math.inf]
-    waves = [(1 / solid.longitudinal_speed, 1 / solid.shear_speed) for solid in bodies]
-    sources = {1 / edge for edge in moving}.union(*waves)
-    found = []
-    for (pressure, shear), body in zip(waves, bodies, strict=True):
-        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
-        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
-        lines.append(StraightFront(shear, pressure, -1))
-        lines += [StraightFront(s, u, 1) for s in (pressure, shear) for u in sources if u < s]
-        points = (*moving, -body.rayleigh_speed)
-        found.append(Fronts((0.0,), (pressure, shear), tuple(lines), points))
-    return TwoBodies(*found)
+        distances = [body.distance(x, y, t) for body in self.bodies]
+        return np.where(np.signbit(y), distances[-1], distances[0])
 
 
 def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
@@ -149,27 +121,34 @@ def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
     return tuple(sorted(starts))
 
 
-def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> Fronts:
+def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> SceneFronts:
     """Return the fronts that jumps of the loads of a scene send out.
 
-    Edges are the velocities of the ends of slip zones and openings [length / time]; flanks of loads
-    that are shorter than the shortest count as jumps [time].
+    Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
+    of a zone, sends straight fronts into that body.  Edges are the velocities of the ends of slip
+    zones and openings [length / time]; flanks of loads that are shorter than the shortest count as
+    jumps [time].
     """
-    material, load = scene.material, scene.superposition.taken_off
-    shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
-    moving = [edge for edge in edges if 0 < edge < math.inf]
-    in_plane = not scene.antiplane or load.pressure != 0
-    waves = (pressure, shear) if in_plane else (shear,)
-    rayleigh = material.rayleigh_speed
-    points = [*moving, *((rayleigh, -rayleigh) if in_plane else ())]
-    front = -scene.front_slowness
-    if front > 0:  # the load runs over the slot and is reflected as waves that it is faster than
-        lines = [StraightFront(wave, front, -1) for wave in waves if front < wave]
-        points.append(-1 / front)
-    else:
-        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
-        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
-    lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
-    lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
-    lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
-    return Fronts(jump_times(scene, shortest), waves, tuple(lines), tuple(points))
+    alike, load = scene.lower_material is None, scene.superposition.taken_off
+    front, moving = -scene.front_slowness, [edge for edge in edges if 0 < edge < math.inf]
+    bodies = scene.bodies[: 1 if alike else 2]
+    both = [(1 / solid.longitudinal_speed, 1 / solid.shear_speed) for solid in bodies]
+    waves = [own[1:] if scene.shears_alone else own for own in both]
+    sources = sorted({1 / edge for edge in moving}.union(*waves))
+    found = []
+    for body, own in zip(bodies, waves, strict=True):
+        pressure, shear, points = own[0], own[-1], list(moving)
+        if front > 0:  # the load runs over the slot and is reflected as waves that are slower
+            lines = [StraightFront(wave, front, -1) for wave in own if front < wave]
+            points.append(-1 / front)
+        else:  # one that comes along the slot has plane waves that do not end at the circle
+            at_once = ((shear, load.shear), (pressure, load.pressure)) if front == 0 else ()
+            lines = [StraightFront(wave, 0.0, -1) for wave, size in at_once if size]
+        lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
+        lines += [StraightFront(shear, u, -1) for u in own if u < shear]
+        lines += [StraightFront(s, u, 1) for s in own for u in sources if u < s]
+        if not scene.shears_alone:
+            rayleigh = body.rayleigh_speed
+            points += [-rayleigh, *([rayleigh] if alike else [])]
+        found.append(Fronts(jump_times(scene, shortest), own, tuple(lines), tuple(points)))
+    return SceneFronts(tuple(found))

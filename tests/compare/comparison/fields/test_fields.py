@@ -217,7 +217,7 @@ def test_each_jump_of_a_load_sends_out_fronts_and_a_rise_does_not():
     radii = np.hypot(x, y)
     pulse = replace(find_scene("pulse"), shear_history=Pulse(0.3))
     fronts = fronts_of(pulse)
-    assert fronts.starts == (0.0, 0.3)
+    assert fronts.bodies[0].starts == (0.0, 0.3)
     c_t = pulse.material.shear_speed
     assert fronts.distance(x, y, radii[1] / c_t)[1] < 1e-12
     assert fronts.distance(x, y, 0.3 + radii[2] / c_t)[2] < 1e-12
