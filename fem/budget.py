@@ -145,12 +145,10 @@ def cost(
     return predicted
 
 
-def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
-    """Predict what a plan needs; checkpoints, if they are written, pass through memory."""
-    return _cost(plan, plan.steps(), plan.settings.every, checkpoints)
-
-
-def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
+def predict_cost(plan: Plan, steps: int | None = None, *, checkpoints: bool = False) -> Cost:
+    """Predict what a plan needs, of its own steps or as many as given; checkpoints, if they are
+    written, pass through memory."""
+    steps, every = plan.steps() if steps is None else steps, plan.settings.every
     mesh_kind, frames = plan.settings.mesh, plan.settings.frames if plan.full else 0
     matrices = 1 if plan.is_half or len(set(plan.scene.bodies)) == 1 else 2
     mesh = max(map(len, plan.bodies)) * plan.nodes * matrices // (1 if plan.is_half else 2)
@@ -218,9 +216,9 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
     settings = plan.settings
 
     def memory(resolution: int, every: int) -> int:
-        other = replace(plan, settings=replace(settings, resolution=resolution))
+        changed = replace(settings, resolution=resolution, every=every)
         steps = math.ceil(cost.steps * resolution / settings.resolution)
-        return _cost(other, steps, every, checkpoints).memory
+        return predict_cost(replace(plan, settings=changed), steps, checkpoints=checkpoints).memory
 
     sizes = range(settings.resolution)
     too_large = bisect_right(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -29,23 +28,19 @@ FORMAT = "slipfront checkpoint 7"
 @dataclass(frozen=True)
 class Checkpoint:
     """The state of a run between two steps: the last time level whose drift is done, the arrays of
-    bodies, interface and record by name, and the field snapshots (time, name) written so far.
+    each body, the interface and the record, and the field snapshots (time, name) written so far.
     """
 
     step: int
-    arrays: Mapping[str, NDArray[Any]]
+    parts: Mapping[str, Mapping[str, NDArray[Any]]]
     frames: list[tuple[float, str]]
 
     def restore(self, model: Model, record: MeshRecord) -> None:
         """Put a newly built model and record into this state."""
-        parts: dict[str, dict[str, NDArray[Any]]] = defaultdict(dict)
-        for path, array in self.arrays.items():
-            part, _, name = path.partition("/")
-            parts[part][name] = array
         for number, body in enumerate(model.bodies):
-            body.restore(parts[f"body {number}"])
-        model.joint.restore(parts["interface"])
-        record.restore(parts["record"])
+            body.restore(self.parts[f"body {number}"])
+        model.joint.restore(self.parts["interface"])
+        record.restore(self.parts["record"])
 
 
 def take_checkpoint(
@@ -54,8 +49,7 @@ def take_checkpoint(
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     parts = {f"body {number}": body.state() for number, body in enumerate(model.bodies)}
     parts |= {"interface": model.joint.sums(), "record": record.stored()}
-    arrays = {f"{part}/{name}": array for part, own in parts.items() for name, array in own.items()}
-    return Checkpoint(step, arrays, frames)
+    return Checkpoint(step, parts, frames)
 
 
 def run_identity(model: Model) -> dict[str, Any]:
@@ -184,8 +178,9 @@ def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkp
         file.attrs["format"] = FORMAT
         file.attrs["identity"] = json.dumps(identity)
         file.attrs["facts"] = json.dumps({"step": checkpoint.step, "frames": checkpoint.frames})
-        for name, array in checkpoint.arrays.items():
-            file[name] = array
+        for part, arrays in checkpoint.parts.items():
+            for name, array in arrays.items():
+                file[f"{part}/{name}"] = array
 
 
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
@@ -197,20 +192,16 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
         If the file is damaged, not a checkpoint, or from another run; the message says which
         option differs.
     """
-    import h5py
-
     try:
         with sealed_hdf5(path) as file:
             written_as = file.attrs.get("format")
             if written_as == FORMAT:
                 theirs = json.loads(file.attrs["identity"])
                 known = json.loads(file.attrs["facts"])
-                arrays: dict[str, NDArray[Any]] = {}
-                file.visititems(
-                    lambda name, item: (
-                        arrays.update({name: item[...]}) if isinstance(item, h5py.Dataset) else None
-                    )
-                )
+                parts = {
+                    part: {name: array[...] for name, array in group.items()}
+                    for part, group in file.items()
+                }
     # a damaged HDF5 file can make the parser fail in any way at all
     except Exception as error:
         raise DataFileError(
@@ -224,4 +215,4 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
                 f"{path} is of another run: its {name.replace('_', ' ')} is {theirs.get(name)}, "
                 f"not {identity.get(name)}; repeat those options or delete it."
             )
-    return Checkpoint(known["step"], arrays, [(time, name) for time, name in known["frames"]])
+    return Checkpoint(known["step"], parts, [(time, name) for time, name in known["frames"]])

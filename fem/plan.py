@@ -17,7 +17,7 @@ from fem.resolution import check_resolved, mesh_caution
 from fem.settings import COMPANIONS, Settings
 from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
-from meshes.blocks import causal_margin, observed_slot
+from meshes.blocks import observed_slot
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -86,11 +86,6 @@ class Plan:
             )
 
     @property
-    def slides_ahead(self) -> bool:
-        """Whether the contact slides ahead of all waves of the edge, under a load from far away."""
-        return wave_slips_ahead(self.scene, self.end_time)
-
-    @property
     def name(self) -> str:
         """Name of the model that the scene needs, or that is asked for.
 
@@ -140,11 +135,6 @@ class Plan:
     def damping_time(self) -> float:
         """eta of the damping C = eta K [time]."""
         return self.settings.damping * self.size / self.scene.material.shear_speed
-
-    @property
-    def forerun(self) -> float:
-        """Distance beyond the fastest front at which nodes may already move [length]."""
-        return causal_margin(self.scene.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
     def slot_length(self) -> float:

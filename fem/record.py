@@ -17,7 +17,6 @@ from fem.results import ContactOpening, EnergyHistory, SlotHistory
 from semianalytic.arrays import Array
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.scene import Scene
 
 LEAST_GAP = 1e-9
 """Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:
@@ -43,7 +42,11 @@ class MeshRecord:
         plan, steps, nodes = model.plan, model.steps, len(model.contact_x) - 1
         self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
-        self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
+        solid, loads = plan.scene.material, plan.scene.superposition
+        largest = max(max(abs(load.pressure), abs(load.shear)) for load in loads)
+        # the displacement that the largest traction causes until the end
+        moved = largest / solid.shear_modulus * solid.shear_speed * plan.end_time
+        self._least_gap = LEAST_GAP * moved
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
@@ -197,9 +200,3 @@ class MeshRecord:
         along = [Z if scene.antiplane else X, Y]
         arrived = [wave.velocity[along] for wave in waves if wave is not None]
         return self._velocity + np.stack(arrived, axis=1) if arrived else self._velocity
-
-
-def displacement_scale(scene: Scene, end_time: float) -> float:
-    """Return the displacement that the largest traction causes within a time [length]."""
-    largest = max(max(abs(load.pressure), abs(load.shear)) for load in scene.superposition)
-    return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

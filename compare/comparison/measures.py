@@ -76,15 +76,6 @@ def is_nothing(values: Array, unit: float) -> bool:
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
 
 
-def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
-    """First time at which |slip rate| at one point exceeds a threshold [length / time].
-
-    It is interpolated linearly between two samples of the record (m,) [time]; None if slip stays
-    slower.
-    """
-    return first_above(time, np.abs(slip_rate), threshold)
-
-
 def first_above(time: Array, values: Array, level: float) -> float | None:
     """First time at which values (m,) are above a level, linear between samples; None if never."""
     late = np.flatnonzero(values > level)

@@ -13,8 +13,6 @@ from compare.validation.exact import Exact
 from compare.validation.grids import Grids, changes, grid_bar, spacing_bar, unseen_part
 from compare.validation.norms import station_size, weights
 
-TELLING = 0.5
-"""A bar wider than this part of the compared value is too wide for a verdict."""
 ALARM = 1.5
 """Number of bars beyond which a difference counts."""
 MEAN_NOISE = math.sqrt(2 / math.pi)

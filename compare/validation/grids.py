@@ -135,11 +135,8 @@ def profile_spacing(run: Records) -> float | None:
     return middle if middle > 0 and even.mean() > 0.9 else None
 
 
-def smear(grids: Grids, record: Record, name: str, exact: Exact) -> float | None:
-    """Return the relative L1 error that a shift by one cell may cause; None without a spacing."""
-    if grids.spacing is None:
-        return None
-    band = grids.spacing
+def smear(grids: Grids, band: float, record: Record, name: str, exact: Exact) -> float:
+    """Return the relative L1 error that a shift by one cell, a band [length], may cause."""
     if name == "slip_rate" and len(record.t) > 1:
         step = float(np.median(np.diff(record.t)))
         band = max(band, 0.5 * step * exact.scene.material.shear_speed)
@@ -159,7 +156,7 @@ def spacing_bar(
     """
     if grids.spacing is None:
         return None
-    part = SMEAR[name] * (smear(grids, record, name, exact) or 0.0)
+    part = SMEAR[name] * smear(grids, grids.spacing, record, name, exact)
     if name == "slip":
         part += BRIEF * brief_part(grids.spacing, record, name, exact)
     cells = grids.spacing / (exact.scene.material.shear_speed * exact.end_time)
@@ -203,7 +200,7 @@ def unseen_part(grids: Grids, record: Record, name: str, exact: Exact) -> float:
     """
     if grids.spacing is None:
         return 0.0
-    part = FLOOR * (smear(grids, record, name, exact) or 0.0)
+    part = FLOOR * smear(grids, grids.spacing, record, name, exact)
     if name in ("slip", "slip_rate"):
         part = max(part, BRIEF * brief_part(grids.spacing, record, name, exact, UNSEEN))
     return part

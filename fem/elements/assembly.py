@@ -96,10 +96,6 @@ class Space:
         """Integrals over one element of each shape."""
         return integrals_of(self.family, self.shapes.samples)
 
-    def side_nodes(self, side: str) -> NDArray[np.int64]:
-        """Return the nodes of a named side, in order of increasing x and then y."""
-        return side_nodes(self.points, side)
-
 
 def stiffness(
     space: Space, material: Material, place: NDArray[np.int64] | None = None
@@ -186,7 +182,7 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], Array]
     of the contact face, and one at x > 0 (`fem.elements.edge`) as much less of the slot and more of
     the contact.
     """
-    nodes = space.side_nodes(side)
+    nodes = side_nodes(space.points, side)
     halves = np.diff(space.points[0, nodes]) / 2
     lengths = np.pad(halves, (1, 0)) + np.pad(halves, (0, 1))
     if side == "contact":

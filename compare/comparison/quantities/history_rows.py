@@ -20,8 +20,8 @@ from compare.comparison.measures import (
     PROBES,
     ROUNDING,
     SENSE_THRESHOLD,
+    first_above,
     nearest,
-    onset_time,
 )
 from compare.comparison.rows import Row
 from semianalytic import Harmonic
@@ -228,8 +228,8 @@ def _event(
 ) -> float | None:
     """First time in T of slip at a place, of one sense if given; None if it does not happen."""
     record = _record(history, place)
-    rate = record if sense is None else np.maximum(sense * record, 0.0)
-    when = onset_time(history.t, rate, least)
+    rate = np.abs(record) if sense is None else sense * record
+    when = first_above(history.t, rate, least)
     return None if when is None else when / end_time
 
 
