@@ -111,18 +111,13 @@ OPEN = 2
 
 
 class KickTractions(NamedTuple):
-    """The tractions of a kick that are known in advance [stress].
+    """The tractions of a kick that are known in advance [stress]."""
 
-    Attributes
-    ----------
-    pressure, shear : float or (n,) arrays
-        Tractions that the contact would carry in uncut bodies.
-    along, across : float or (k,) arrays
-        Tractions on the upper slot face besides those in place, opposite on the lower one.
-    """
-
+    # float or (n,) arrays: tractions that the contact would carry in uncut bodies
     pressure: float | Array
     shear: float | Array
+    # float or (k,) arrays: tractions on the upper slot face besides those in place, opposite on the
+    # lower one
     along: float | Array
     across: float | Array
 

@@ -112,18 +112,12 @@ class SceneTractions:
 
 
 class Arrived(NamedTuple):
-    """The fields of an incident wave in the uncut body, where there is none 0.
+    """The fields of an incident wave in the uncut body, where there is none 0."""
 
-    Attributes
-    ----------
-    displacement, velocity : (3, n) arrays
-        In x, y and z [length] and [length / time].
-    stress : dict of (n,) arrays
-        Stress by component: xx, yy, xy, xz and yz [stress], tension positive.
-    """
-
+    # (3, n) arrays: in x, y and z [length] and [length / time]
     displacement: Array
     velocity: Array
+    # dict of (n,) arrays: stress by component: xx, yy, xy, xz and yz [stress], tension positive
     stress: dict[str, Array]
 
 

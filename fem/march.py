@@ -92,16 +92,10 @@ class Walls:
     """Side walls that let plane waves pass along them.
 
     They fix u_y of the motion in which blocks move oppositely along x, and u_x of the rest.
-
-    Parameters
-    ----------
-    bodies : list of MarchedBody
-        The upper body and, unless it moves oppositely, the lower one.
-    along, across : arrays
-        Unknowns of u_x and of u_y on the walls.
     """
 
-    bodies: list[MarchedBody]
+    bodies: list[MarchedBody]  # the upper body and, unless it moves oppositely, the lower one
+    # unknowns of u_x and of u_y on the walls
     along: NDArray[np.int64]
     across: NDArray[np.int64]
 
@@ -119,23 +113,12 @@ class Walls:
 
 @dataclass
 class SidePush:
-    """Tractions on a side of a body that change with time.
+    """Tractions on a side of a body that change with time."""
 
-    Parameters
-    ----------
-    face : ContactFace
-        Unknowns of the side, each once.
-    force : (k,) array
-        Force on them where the history is 1 [stress length].
-    history : LoadHistory
-    step : float
-        dt [time].
-    """
-
-    face: ContactFace
-    force: Array
+    face: ContactFace  # unknowns of the side, each once
+    force: Array  # (k,) array: force on them where the history is 1 [stress length]
     history: LoadHistory
-    step: float
+    step: float  # dt [time]
 
     def __post_init__(self) -> None:
         self.now = np.zeros_like(self.force)

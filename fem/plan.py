@@ -38,18 +38,6 @@ TWO_MATERIALS = "two blocks of different materials"
 class Plan:
     """A run before anything is built: its scene, settings, and everything that follows from them.
 
-    Parameters
-    ----------
-    scene : Scene
-    end_time : float
-        T [time].
-    settings : Settings
-    full : bool
-        Whether whole fields are observed, not only the interface.
-    follows : bool
-        Whether the mesh has to follow the loads; that of a companion, whose steps are given by
-        those of its simulation, need not.
-
     Raises
     ------
     SceneError
@@ -59,9 +47,11 @@ class Plan:
     """
 
     scene: Scene
-    end_time: float
+    end_time: float  # T [time]
     settings: Settings
-    full: bool = False
+    full: bool = False  # whether whole fields are observed, not only the interface
+    # whether the mesh has to follow the loads; that of a companion, whose steps are given by those
+    # of its simulation, need not
     follows: bool = True
 
     def __post_init__(self) -> None:

@@ -40,33 +40,18 @@ _STATED = Conventions(sign="as-given", slip="relative", pressure="compression", 
 
 @dataclass(frozen=True)
 class Score:
-    """One number of a run.
-
-    Attributes
-    ----------
-    file, sheet : str
-    verdict : str
-        Verdict of `validate` on the whole run.
-    quantity : str
-        One of `QUANTITIES`, or "arrival".
-    error : float
-        Root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
-        not hold the quantity.
-    grade : str
-        As by `class_of`; "" where the run holds less than `ENOUGH`.
-    held : float
-        Part of the time, at all stations together, that the run holds without gaps.
-    notes : tuple of str
-        Corrections made in reading the run, and parts that were not read, a sentence each.
-    """
+    """One number of a run."""
 
     file: str
     sheet: str
-    verdict: str
-    quantity: str
+    verdict: str  # verdict of `validate` on the whole run
+    quantity: str  # one of `QUANTITIES`, or "arrival"
+    # root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
+    # not hold the quantity
     error: float
-    grade: str
-    held: float
+    grade: str  # as by `class_of`; "" where the run holds less than `ENOUGH`
+    held: float  # part of the time, at all stations together, that the run holds without gaps
+    # corrections made in reading the run, and parts that were not read, a sentence each
     notes: tuple[str, ...]
 
 

@@ -43,25 +43,15 @@ order, over their change.  The value is that of order 1/2, rounded up.  One of 3
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """Error bar of a reading: how far it may be off, judged by coarser meshes.
+    """Error bar of a reading: how far it may be off, judged by coarser meshes."""
 
-    Attributes
-    ----------
-    size : float
-        Length of the bar, in the unit of the changes.
-    order : float or None
-        Observed order of convergence; None with two meshes only, or where nothing changes.
-    limit : float
-        Largest error of the finest mesh that the coarser meshes alone allow, if it converges at
-        all.  A faulty finest mesh widens `size` but not this limit.  Infinite with two meshes.
-    converges : bool
-        Whether the last change is no larger than `LEAST_ORDER` allows.
-    """
-
-    size: float
+    size: float  # length of the bar, in the unit of the changes
+    # observed order of convergence; None with two meshes only, or where nothing changes
     order: float | None
+    # Largest error of the finest mesh that the coarser meshes alone allow, if it converges at all.
+    # A faulty finest mesh widens `size` but not this limit. Infinite with two meshes.
     limit: float
-    converges: bool
+    converges: bool  # whether the last change is no larger than `LEAST_ORDER` allows
 
 
 def error_bar(

@@ -37,22 +37,14 @@ class Moving:
 class Front:
     """A wave front in the upper body; its mirror image is the one in the lower body, unless `sides`
     says that it is in one body alone.
-
-    Attributes
-    ----------
-    name : str
-    x, y : (n,) arrays
-        Points of the front [length], y >= 0.
-    share : float
-        Position of its name along the front, from 0 to 1; 0 puts it near the start.
-    sides : tuple of int
-        1 for the upper body and -1 for the lower one, where y is mirrored.
     """
 
     name: str
+    # (n,) arrays: points of the front [length], y >= 0
     x: Array
     y: Array
-    share: float
+    share: float  # position of its name along the front, from 0 to 1; 0 puts it near the start
+    # 1 for the upper body and -1 for the lower one, where y is mirrored
     sides: tuple[int, ...] = (1, -1)
 
 

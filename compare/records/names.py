@@ -65,27 +65,13 @@ NOISE = "noise"
 
 @dataclass(frozen=True)
 class Columns:
-    """Which column holds what.
+    """Which column holds what."""
 
-    Attributes
-    ----------
-    places : mapping from str to int
-        Column of each of `ALIASES` that there is.
-    units : mapping from str to Unit
-        Units of the columns that name one.
-    changes : frozenset of str
-        Tractions that are changes since t = 0, by their names.
-    notes : tuple of str
-        Assumptions that were made, a sentence each.
-    unread : tuple of str
-        Names of all other columns.
-    """
-
-    places: Mapping[str, int]
-    units: Mapping[str, Unit] = field(default_factory=dict)
-    changes: frozenset[str] = frozenset()
-    notes: tuple[str, ...] = ()
-    unread: tuple[str, ...] = ()
+    places: Mapping[str, int]  # column of each of `ALIASES` that there is
+    units: Mapping[str, Unit] = field(default_factory=dict)  # units of the columns that name one
+    changes: frozenset[str] = frozenset()  # tractions that are changes since t = 0, by their names
+    notes: tuple[str, ...] = ()  # assumptions that were made, a sentence each
+    unread: tuple[str, ...] = ()  # names of all other columns
 
     def scale(self, kind: str) -> float:
         """Factor of a column: to SI units where it names a unit."""

@@ -26,18 +26,11 @@ MARCH_NODES = 800
 
 @dataclass(frozen=True)
 class Sampling:
-    """Meaning of a recorded slip rate: a value at its time, or a mean over a step.
+    """Meaning of a recorded slip rate: a value at its time, or a mean over a step."""
 
-    Attributes
-    ----------
-    kind : str
-        `POINT`, or `BEFORE` or `AFTER`: the mean over a step before or after its time.
-    step : float or None
-        That step [time]; None for the distance of samples.
-    """
-
+    # `POINT`, or `BEFORE` or `AFTER`: the mean over a step before or after its time
     kind: str = POINT
-    step: float | None = None
+    step: float | None = None  # that step [time]; None for the distance of samples
 
 
 AT_TIME = Sampling()
@@ -45,19 +38,11 @@ AT_TIME = Sampling()
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """An answer until the end of the records.
-
-    Attributes
-    ----------
-    scene : Scene
-    answer : Answer
-    end_time : float
-        T, that of the last record [time].
-    """
+    """An answer until the end of the records."""
 
     scene: Scene
     answer: Answer
-    end_time: float
+    end_time: float  # T, that of the last record [time]
     _known: dict[tuple[str, float, bytes, Sampling], Array] = field(
         default_factory=dict, init=False
     )

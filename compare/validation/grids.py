@@ -56,25 +56,13 @@ SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Grids:
-    """Runs of one code, finest first, read in units of the scene.
-
-    Attributes
-    ----------
-    runs : tuple of Records
-    spacing : float or None
-        Spacing of the finest run [length].
-    ratio : float
-        Ratio of the spacings of two successive runs.
-    sampling : Sampling
-        Meaning of a slip rate.
-    noise : mapping from str to float
-        Standard deviation of the errors of samples, in units of the scene.
-    """
+    """Runs of one code, finest first, read in units of the scene."""
 
     runs: tuple[Records, ...]
-    spacing: float | None
-    ratio: float
-    sampling: Sampling = AT_TIME
+    spacing: float | None  # spacing of the finest run [length]
+    ratio: float  # ratio of the spacings of two successive runs
+    sampling: Sampling = AT_TIME  # meaning of a slip rate
+    # standard deviation of the errors of samples, in units of the scene
     noise: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -26,18 +26,10 @@ SAME_SHAPE = 1e-12
 
 @dataclass(frozen=True)
 class Shapes:
-    """Elements grouped by shape: integrals over one element are those of all of its shape.
+    """Elements grouped by shape: integrals over one element are those of all of its shape."""
 
-    Attributes
-    ----------
-    kind : (elements,) array
-        Number of the shape of each element.
-    samples : Mesh
-        One element of each shape, in the order of the numbers; they share no node.
-    """
-
-    kind: NDArray[np.int64]
-    samples: Mesh
+    kind: NDArray[np.int64]  # (elements,) array: number of the shape of each element
+    samples: Mesh  # one element of each shape, in the order of the numbers; they share no node
 
 
 def element_shapes(mesh: Mesh) -> Shapes:

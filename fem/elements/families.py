@@ -17,22 +17,13 @@ from semianalytic.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """A finite element with its nodes at its corners and a diagonal mass matrix.
+    """A finite element with its nodes at its corners and a diagonal mass matrix."""
 
-    Attributes
-    ----------
-    kind : Element
-        Shape functions, one node each.
-    nodal : (points, weights)
-        Quadrature with its points at the nodes; it is what makes the mass matrix diagonal.
-    order : int
-        Degree that the quadrature of the stiffness integrates exactly.
-    shape : type of Mesh
-    """
-
-    kind: Element
+    kind: Element  # shape functions, one node each
+    # (points, weights): quadrature with its points at the nodes; it is what makes the mass matrix
+    # diagonal
     nodal: tuple[Array, Array]
-    order: int
+    order: int  # degree that the quadrature of the stiffness integrates exactly
     shape: type[Mesh]
 
     @property
@@ -77,19 +68,13 @@ def _one(v, _):  # type: ignore[no-untyped-def]
 
 
 class Integrals(NamedTuple):
-    """Integrals over one element of each shape; D_ij = int d_i phi_a d_j phi_b.
+    """Integrals over one element of each shape; D_ij = int d_i phi_a d_j phi_b."""
 
-    Attributes
-    ----------
-    xx, yy, xy : (shapes, k, k) arrays
-        D_xx, D_yy and D_yx, symmetric but for the last.
-    area : (shapes, k) array
-        int phi_a, by the quadrature that makes the mass matrix diagonal [length^2].
-    """
-
+    # (shapes, k, k) arrays: D_xx, D_yy and D_yx, symmetric but for the last
     xx: Array
     yy: Array
     xy: Array
+    # (shapes, k) array: int phi_a, by the quadrature that makes the mass matrix diagonal [length^2]
     area: Array
 
 

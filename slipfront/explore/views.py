@@ -39,23 +39,12 @@ def end_time(scene: Scene) -> float:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceView:
-    """State of the contact at one time.
+    """State of the contact at one time."""
 
-    Attributes
-    ----------
-    x : (n,) array
-        Positions over c_t T.
-    slip_rate : (n,) array
-        Slip rate over V₀.
-    slip : (n,) array
-        Slip over V₀ T.
-    shear, bound, pressure : (n,) arrays
-        Shear traction, friction bound f p and contact pressure over τ₀.
-    """
-
-    x: Array
-    slip_rate: Array
-    slip: Array
+    x: Array  # (n,) array: positions over c_t T
+    slip_rate: Array  # (n,) array: slip rate over V₀
+    slip: Array  # (n,) array: slip over V₀ T
+    # (n,) arrays: shear traction, friction bound f p and contact pressure over τ₀
     shear: Array
     bound: Array
     pressure: Array
@@ -119,25 +108,15 @@ def _limits(values: Array, margin: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTimeView:
-    """State of the contact over space and time.
+    """State of the contact over space and time."""
 
-    Attributes
-    ----------
-    wedges : tuple of (kind, inner, outer)
-        Edges of zones at T over c_t T, infinite for slip that a remote load starts everywhere;
-        empty for a march.
-    image : (m, n) array or None
-        Indices of `KINDS` over 0 < x < reach, 0 < t < T; None for a solution.
-    reach : float
-        Largest position over c_t T.
-    waves : dict
-        Positions of the wave fronts at T over c_t T, by name.
-    """
-
+    # tuple of (kind, inner, outer): edges of zones at T over c_t T, infinite for slip that a remote
+    # load starts everywhere; empty for a march
     wedges: tuple[tuple[str, float, float], ...]
+    # (m, n) array or None: indices of `KINDS` over 0 < x < reach, 0 < t < T; None for a solution
     image: Array | None
-    reach: float
-    waves: Mapping[str, float]
+    reach: float  # largest position over c_t T
+    waves: Mapping[str, float]  # positions of the wave fronts at T over c_t T, by name
 
 
 def space_time_view(answer: Any) -> SpaceTimeView:
@@ -170,29 +149,16 @@ def _senses(marched: Marched) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FieldView:
-    """Particle speed or displacement in both bodies at one time.
+    """Particle speed or displacement in both bodies at one time."""
 
-    Attributes
-    ----------
-    size : (m, n) array
-        Particle speed over V₀, or displacement over V₀ T, clipped at `largest`.
-    reach : float
-        Half the side of the picture over c_t T.
-    largest : float
-        Value at the end of the colour scale.
-    lines : list of (x, y)
-        Wave fronts in both bodies.
-    names : list of (name, x, y)
-        Names of waves, each next to its front.
-    parts : list of (kind, start, end)
-        Slipping and open parts of the interface.
-    """
-
+    # (m, n) array: particle speed over V₀, or displacement over V₀ T, clipped at `largest`
     size: Array
-    reach: float
-    largest: float
-    lines: list[tuple[Array, Array]]
+    reach: float  # half the side of the picture over c_t T
+    largest: float  # value at the end of the colour scale
+    lines: list[tuple[Array, Array]]  # list of (x, y): wave fronts in both bodies
+    # list of (name, x, y): names of waves, each next to its front
     names: list[tuple[str, float, float]]
+    # list of (kind, start, end): slipping and open parts of the interface
     parts: list[tuple[str, float, float]]
 
 

@@ -99,27 +99,15 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class SurveyPlan:
-    """A survey: a scene, the values of its parameters, and its options.
-
-    Attributes
-    ----------
-    scene : Scene
-    values : mapping of parameter to (n,) array
-    fixed : mapping of parameter to number
-        Parameters that replace those of the scene by one value at all points.
-    together : bool
-        Whether the values are one list of points instead of a grid.
-    question : Question
-    chunk : int
-        Largest number of points in a chunk.
-    """
+    """A survey: a scene, the values of its parameters, and its options."""
 
     scene: Scene
-    values: Mapping[str, Array]
+    values: Mapping[str, Array]  # mapping of parameter to (n,) array
+    # parameters that replace those of the scene by one value at all points
     fixed: Mapping[str, float]
-    together: bool
+    together: bool  # whether the values are one list of points instead of a grid
     question: Question
-    chunk: int
+    chunk: int  # largest number of points in a chunk
 
     @cached_property
     def sizes(self) -> dict[str, int]:

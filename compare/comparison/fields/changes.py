@@ -21,28 +21,15 @@ SAME = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class FieldChange:
-    """Error and mesh changes of a component of the last frame, whole or outside the band at fronts.
+    """Error and mesh changes of a component of the last frame, whole or outside the band at fronts."""
 
-    Attributes
-    ----------
-    component : str
-        v_x, ..., u_x, ..., sigma_xx, ...
-    part : str
-        One of `PARTS`.
-    norms : Norms
-        Those over the area; for stresses, of the changes since t = 0.
-    changes : tuple of float
-        Norms of the changes from the mesh 2h to h, and from 4h to 2h, over `norms.size`, as far as
-        there are frames of these meshes.
-    before : callable
-        Returns the difference on the mesh 2h, over `norms.size`.
-    """
-
-    component: str
-    part: str
-    norms: Norms
+    component: str  # v_x, ..., u_x, ..., sigma_xx, ...
+    part: str  # one of `PARTS`
+    norms: Norms  # those over the area; for stresses, of the changes since t = 0
+    # norms of the changes from the mesh 2h to h, and from 4h to 2h, over `norms.size`, as far as
+    # there are frames of these meshes
     changes: tuple[float, ...]
-    before: Callable[[], float]
+    before: Callable[[], float]  # returns the difference on the mesh 2h, over `norms.size`
 
     @property
     def difference(self) -> float:

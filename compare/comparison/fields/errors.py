@@ -37,50 +37,27 @@ compared.  They are drawn at random; that many suffice for two digits of an erro
 
 @dataclass(frozen=True)
 class FieldError:
-    """Error of one component of one frame.
+    """Error of one component of one frame."""
 
-    Attributes
-    ----------
-    time : float
-        [time].
-    component : str
-        v_x, ..., u_x, ..., sigma_xx, ...
-    whole : float
-        L1 norm of the difference in both bodies, over that of the prediction (for stresses, of the
-        change since t = 0).  Where the component vanishes, it is relative to the largest component
-        of the same field.
-    outside : float
-        The same error outside the band of `BAND` elements on either side of all fronts.
-    band : float
-        Part of the area that is in the band.
-    """
-
-    time: float
-    component: str
+    time: float  # [time]
+    component: str  # v_x, ..., u_x, ..., sigma_xx, ...
+    # L1 norm of the difference in both bodies, over that of the prediction (for stresses, of the
+    # change since t = 0). Where the component vanishes, it is relative to the largest component of
+    # the same field.
     whole: float
+    # the same error outside the band of `BAND` elements on either side of all fronts
     outside: float
-    band: float
+    band: float  # part of the area that is in the band
 
 
 @dataclass(frozen=True, eq=False)
 class FieldErrors:
-    """Errors of all frames, and the last frame itself.
+    """Errors of all frames, and the last frame itself."""
 
-    Attributes
-    ----------
-    element_size : float
-        [length].
-    frames : tuple of tuples of FieldError
-        In the order of time.
-    last : dict of Pair
-        Components of the last frame, by name.
-    changes : tuple of FieldChange
-        Changes of its components from mesh to mesh, from which error bars come.
-    """
-
-    element_size: float
-    frames: tuple[tuple[FieldError, ...], ...]
-    last: dict[str, Pair]
+    element_size: float  # [length]
+    frames: tuple[tuple[FieldError, ...], ...]  # in the order of time
+    last: dict[str, Pair]  # components of the last frame, by name
+    # changes of its components from mesh to mesh, from which error bars come
     changes: tuple[FieldChange, ...]
 
     @property

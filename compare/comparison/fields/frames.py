@@ -22,21 +22,13 @@ CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Places in both bodies at which a frame has fields.
+    """Places in both bodies at which a frame has fields."""
 
-    Attributes
-    ----------
-    x, y : (m,) arrays
-        Coordinates [length]; on the faces y is 0.0 above and -0.0 below.
-    area : (m,) array
-        Area that each place stands for [length^2].
-    fields : dict of (m,) arrays
-        Fields by the name of the component, in the units of the scene.
-    """
-
+    # (m,) arrays: coordinates [length]; on the faces y is 0.0 above and -0.0 below
     x: Array
     y: Array
-    area: Array
+    area: Array  # (m,) array: area that each place stands for [length^2]
+    # dict of (m,) arrays: fields by the name of the component, in the units of the scene
     fields: dict[str, Array]
 
     def at(self, chosen: Mask) -> Places:
@@ -57,30 +49,16 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Mesh of both bodies, with the areas that its nodes and elements stand for.
+    """Mesh of both bodies, with the areas that its nodes and elements stand for."""
 
-    Attributes
-    ----------
-    points : (n, 2) array
-        Nodes [length].
-    cells : (m, k) array
-        Nodes of each element, its corners first.
-    y : (n,) array
-        Second coordinate of the nodes, with the sign of their body: -0.0 on the lower face.
-    held : (n,) array
-        Area that each node stands for [length^2].
-    centre : (m, 2) array
-        Centres of the elements [length].
-    area : (m,) array
-        Areas of the elements [length^2].
-    """
-
-    points: Array
-    cells: NDArray[np.integer[Any]]
+    points: Array  # (n, 2) array: nodes [length]
+    cells: NDArray[np.integer[Any]]  # (m, k) array: nodes of each element, its corners first
+    # (n,) array: second coordinate of the nodes, with the sign of their body: -0.0 on the lower
+    # face
     y: Array
-    held: Array
-    centre: Array
-    area: Array
+    held: Array  # (n,) array: area that each node stands for [length^2]
+    centre: Array  # (m, 2) array: centres of the elements [length]
+    area: Array  # (m,) array: areas of the elements [length^2]
 
     def is_of(self, points: Array, cells: NDArray[np.integer[Any]]) -> bool:
         """Whether the mesh has these nodes and elements."""
@@ -89,22 +67,11 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One frame of both bodies.
+    """One frame of both bodies."""
 
-    Attributes
-    ----------
-    time : float
-        [time].
-    nodes : Places
-        v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too.
-    elements : Places
-        Stresses at the centre of each element.
-    mesh : Mesh
-    """
-
-    time: float
-    nodes: Places
-    elements: Places
+    time: float  # [time]
+    nodes: Places  # v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too
+    elements: Places  # stresses at the centre of each element
     mesh: Mesh
 
     def clear_of_left(self, distance: float) -> Frame:

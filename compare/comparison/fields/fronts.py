@@ -21,22 +21,13 @@ class StraightFront:
     """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y| on one side of the edge.
 
     It begins where it touches the circular front of the wave.
-
-    Attributes
-    ----------
-    wave : float
-        Slowness of the wave [time / length].
-    source : float
-        Slowness of the source along the surface: 0 for plane waves that come at once, that of the P
-        wave for head waves, of a moving load for its plane waves, of a zone edge for its Mach
-        fronts.
-    side : 1 or -1
-        Sign of x.
     """
 
-    wave: float
+    wave: float  # slowness of the wave [time / length]
+    # slowness of the source along the surface: 0 for plane waves that come at once, that of the P
+    # wave for head waves, of a moving load for its plane waves, of a zone edge for its Mach fronts
     source: float
-    side: int
+    side: int  # 1 or -1: sign of x
 
     def line(self, t: float, share: Array) -> tuple[Array, Array]:
         """Points x, y >= 0 of the front at time t [length], by their share of the way from the
@@ -57,23 +48,13 @@ class StraightFront:
 
 @dataclass(frozen=True)
 class Fronts:
-    """All fronts of a scene, and the contact edge.
+    """All fronts of a scene, and the contact edge."""
 
-    Attributes
-    ----------
-    starts : tuple of float
-        Times at which a load jumps and sends out all the fronts [time].
-    circles : tuple of float
-        Slownesses of the waves that spread from the edge [time / length].
-    lines : tuple of StraightFront
-    points : tuple of float
-        Velocities of the surface points at which fields jump or are infinite: Rayleigh points and
-        zone edges [length / time].
-    """
-
-    starts: tuple[float, ...]
-    circles: tuple[float, ...]
+    starts: tuple[float, ...]  # times at which a load jumps and sends out all the fronts [time]
+    circles: tuple[float, ...]  # slownesses of the waves that spread from the edge [time / length]
     lines: tuple[StraightFront, ...]
+    # velocities of the surface points at which fields jump or are infinite: Rayleigh points and
+    # zone edges [length / time]
     points: tuple[float, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:

@@ -23,18 +23,11 @@ They are drawn at random.  Of 190,000 nodes that gives errors within 3 %, 20,000
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One component of a frame, simulated and predicted.
-
-    Attributes
-    ----------
-    name : str
-    places : Places
-    simulated, predicted : (m,) arrays
-        Values in the units of the scene; stresses are changes since t = 0.
-    """
+    """One component of a frame, simulated and predicted."""
 
     name: str
     places: Places
+    # (m,) arrays: values in the units of the scene; stresses are changes since t = 0
     simulated: Array
     predicted: Array
 
