@@ -201,14 +201,9 @@ def machine_pace() -> float:
 
 
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
-    """Refuse a run that needs more memory than it may; say which resolution or `every` would fit.
+    """Raise SceneError if a run needs more memory than it may; say which mesh or `every` would fit.
 
-    The limit is in bytes; 70 % of what is available if None.
-
-    Raises
-    ------
-    SceneError
-        If it needs more, or the limit is not a positive number.
+    The limit, a positive number, is in bytes; 70 % of what is available if None.
     """
     allowed = memory_limit(limit)
     if cost.memory <= allowed:
@@ -247,21 +242,10 @@ def free_space(folder: Path) -> int:
 
 
 def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
-    """Refuse a run whose files cannot be written or will find no room.
+    """Raise DataFileError if files cannot be written, or find no room, in the folder of a path.
 
-    Parameters
-    ----------
-    path : Path
-        A file that is to be written.
-    needed, freed : int
-        Size of it and of others in its folder, and of files that are removed first [bytes].
-    parts : str
-        Names of these files, as the subject of the sentence.
-
-    Raises
-    ------
-    DataFileError
-        If the folder cannot be written to, or has too little room.
+    Needed is their size, freed that of files that are removed first [bytes]; parts name them as the
+    subject of the sentence.
     """
     folder = path.absolute().parent
     made: list[Path] = []

@@ -88,32 +88,16 @@ class Keeper:
 
     A checkpoint that cannot be written does not stop the run: it goes on, the checkpoint before
     stays, and the next one is tried when it is due.
-
-    Parameters
-    ----------
-    path : Path or None
-        The file; None for no checkpoints.
-    pace : Pace
-        How often they are written.
-    identity : mapping
-        Identity of the run, from `run_identity`.
-    clock : callable
-        Wall-clock time [s]; seconds count from when the keeper is made.
-
-    Attributes
-    ----------
-    missing : str
-        Reason why the last checkpoint that was due is missing, as a sentence; empty if it is not.
     """
 
-    path: Path | None
-    pace: Pace
-    identity: Mapping[str, Any]
-    clock: Callable[[], float] = time.monotonic
+    path: Path | None  # the file; None for no checkpoints
+    pace: Pace  # how often they are written
+    identity: Mapping[str, Any]  # identity of the run, from `run_identity`
+    clock: Callable[[], float] = time.monotonic  # [s]; seconds count from when the keeper is made
 
     def __post_init__(self) -> None:
         self._last = self.clock()
-        self.missing = ""
+        self.missing = ""  # why the last checkpoint that was due is missing, as a sentence
 
     def resume(self, model: Model, record: MeshRecord) -> tuple[int, list[tuple[float, str]]]:
         """Restore the checkpoint, if any; return the first level to compute, and the frames."""
@@ -167,13 +151,7 @@ def forget_checkpoint(path: Path, run: str) -> None:
 
 
 def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:
-    """Write a checkpoint as HDF5; the file appears under its name only when it is on the disk.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
+    """Write a checkpoint as HDF5; raises as `whole_hdf5`."""
     with whole_hdf5(path) as file:
         file.attrs["format"] = FORMAT
         file.attrs["identity"] = json.dumps(identity)
@@ -186,11 +164,8 @@ def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkp
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
     """Read the checkpoint of the run that has this identity.
 
-    Raises
-    ------
-    DataFileError
-        If the file is damaged, not a checkpoint, or from another run; the message says which
-        option differs.
+    A DataFileError says that the file is damaged or not a checkpoint, or which option of its run
+    differs.
     """
     try:
         with sealed_hdf5(path) as file:

@@ -238,10 +238,7 @@ class Joint:
     def act(self, level: int, part: float) -> None:
         """Find the tractions of the kick at a level, which act for a part of a step; apply them.
 
-        Raises
-        ------
-        SceneError
-            If friction falls with slip rate faster than a pair of nodes can radiate.
+        Friction that falls with slip rate faster than nodes can radiate raises SceneError.
         """
         known = self.tractions(level)
         self.work = InterfaceWork(self._friction, self._impact, self._external)

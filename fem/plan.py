@@ -218,11 +218,7 @@ def make_plan(
     """Make the plan of a run from the arguments of `simulate` and `cost`.
 
     Options are fields of `Settings`, in place of those of `settings`; `full` observes whole fields.
-
-    Raises
-    ------
-    SceneError
-        If a setting is out of range, or for the reasons given at `Plan`.
+    A setting out of range raises SceneError, and so does what `Plan` refuses.
     """
     if settings is None:
         settings = Settings()

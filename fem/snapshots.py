@@ -265,12 +265,7 @@ def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
 
     The folder need not exist.  If its index was of another run, the frames of its companions go
-    too.
-
-    Raises
-    ------
-    DataFileError
-        If they cannot be removed.
+    too.  DataFileError is raised if they cannot be removed.
     """
     listed = [entry.get("file") for entry in _collection(directory).iter("DataSet")]
     try:

@@ -85,52 +85,27 @@ class MarchedBody:
     The nodes are in order of arrival: only the first `active` unknowns move, all others are
     still at rest, and the product takes only the leading rows of the matrix.  A lower body is
     described by its mirror image on y > 0.
-
-    Parameters
-    ----------
-    components : tuple of int
-        Displacement components of a node, one unknown after the other: (0, 1) for x and y, (2,) for
-        z.
-    matrix : (n, n) CSR array
-        A = dt^2 K / (s s^T); may be shared between bodies.
-    root : (n,) array
-        s, square roots of the masses of the unknowns.
-    damping : float
-        eta / dt.
-    arrival : (nodes,) array
-        Times from which the nodes may move, increasing [time].
-    sides : (k,) array
-        Unknowns of sides that are held, or absorb plane waves by dashpots.
-    absorption : (k,) array
-        z = c dt / (2 m) of these unknowns, c being the dashpot of each [mass / time]; inf if held.
-
-    Attributes
-    ----------
-    displacement : (n,) array
-        U at the time level reached.
-    before, increment : (n,) arrays
-        D over the step before this level and, once kicked, over the step after it.
-    energy : BodyEnergy
-        Energies in the middle of the step before this level, once kicked.
-    active : int
-        Number of leading unknowns that move.
     """
 
+    # displacement components of a node, one unknown after the other: (0, 1) for x and y, (2,) for z
     components: tuple[int, ...]
-    matrix: sparse.csr_array
-    root: Array
-    damping: float
-    arrival: Array
+    matrix: sparse.csr_array  # (n, n), A = dt^2 K / (s s^T); may be shared between bodies
+    root: Array  # (n,) array: s, square roots of the masses of the unknowns
+    damping: float  # eta / dt
+    arrival: Array  # (nodes,) array: times from which the nodes may move, increasing [time]
+    # (k,) arrays: unknowns of sides that are held, or absorb plane waves by dashpots; and their
+    # z = c dt / (2 m), c being the dashpot of each [mass / time], inf if held
     sides: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     absorption: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         unknowns = self.matrix.shape[0]
-        self.displacement = np.zeros(unknowns)
+        self.displacement = np.zeros(unknowns)  # U at the time level reached
+        # D over the step before this level and, once kicked, over the step after it
         self.before = np.zeros(unknowns)
         self.increment = np.zeros(unknowns)
-        self.energy = BodyEnergy(0.0, 0.0, 0.0)
-        self.active = 0
+        self.energy = BodyEnergy(0.0, 0.0, 0.0)  # in the middle of the step before, once kicked
+        self.active = 0  # number of leading unknowns that move
         # what dashpots let pass of an impulse
         self.ease = np.ones(unknowns)
         self.ease[self.sides] = 1 / (1 + self.absorption)

@@ -21,12 +21,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     """Read a block of triangles from a binary MSH 4.1 file, as `mesh_of` describes them.
 
     Nodes on the boundaries are put exactly on the grid; gmsh's own places are off by up to 1e-9
-    elements.
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing, damaged, or holds anything but this block.
+    elements.  A file that is missing, damaged, or holds anything else raises DataFileError.
     """
     points, elements = _parse(Path(path))
     places, mesh = points / blocks.size, MeshTri(points, elements)

@@ -58,14 +58,9 @@ class Score:
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
     """Score the runs of files; files that hold one station each are one run, as for `validate`.
 
-    They are of a sheet that is given, or that they name (``# benchmark: NAME``).
-
-    Raises
-    ------
-    DataFileError
-        If a file cannot be read, is of another sheet, or in other units; or as `score`.
-    SceneError
-        If nothing says which sheet it is of.
+    They are of a sheet that is given, or that they name (``# benchmark: NAME``); SceneError if
+    neither.  A file that cannot be read, is of another sheet, or in other units, raises
+    DataFileError, and `score` may.
     """
     runs: dict[str, list[Path]] = {}
     for path in paths:

@@ -96,22 +96,11 @@ def known_columns(
 ) -> Columns:
     """Which column holds what, and in which unit.
 
-    Parameters
-    ----------
-    path, line
-        For messages, with the line of the names, 0 where there is none.
-    names : sequence of str
-        Names of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm".
-    told, units : mapping
-        Names of columns by quantity, for those that are stated, and units by name of column
-        where a file has them apart.
-    bodies : bool
-        Whether y, quantities inside the bodies and noise are known, besides those of `ALIASES`.
-
-    Raises
-    ------
-    DataFileError
-        If a stated column is absent, two contain the same quantity, or a unit is not known.
+    Names are those of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm";
+    some may be told by quantity, and units by name where a file has them apart.  With `bodies` y,
+    quantities inside the bodies and noise are known, besides those of `ALIASES`.  Path and the line
+    of the names, 0 where there is none, are for messages: DataFileError if a stated column is
+    absent, two contain the same quantity, or a unit is not known.
     """
     apart = units or {}
     places: dict[str, int] = {}

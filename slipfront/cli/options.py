@@ -289,14 +289,9 @@ def with_options(
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Give a command the options of its own arguments, and one option per entry of each group.
 
-    The command itself takes each group as one keyword argument: a dictionary of the options that
-    were given on the command line.  Numbers that are not finite are refused.
-
-    Parameters
-    ----------
-    own : mapping from argument to typer option
-    **groups : mapping from option name to annotation
-        Options by the name of the argument that collects them.
+    Its own options are given by argument, those of a group as annotations by name.  The command
+    itself takes each group as one keyword argument: a dictionary of the options that were given on
+    the command line.  Numbers that are not finite are refused.
     """
     options = {name: hint for group in groups.values() for name, hint in group.items()}
 

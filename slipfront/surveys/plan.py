@@ -64,14 +64,9 @@ class Question:
     fields: tuple[str, ...] = ()
 
     def checked(self, of_interface: bool = False) -> Question:
-        """Check all options and return them in their final form.
+        """Return all options in their final form; SceneError if one is out of range.
 
         An interface has positions of either sign, and onsets and speeds at x without times.
-
-        Raises
-        ------
-        SceneError
-            If an option is out of range.
         """
         changes: dict[str, Any] = {}
         for name in ("rtol", "end_time", "length"):
@@ -239,13 +234,10 @@ def planned(
     together: bool = False,
     chunk: int | None = None,
 ) -> SurveyPlan:
-    """Plan a survey and check it; parameters with a single number are fixed.
+    """Plan a survey; parameters with a single number are fixed.
 
-    Raises
-    ------
-    SceneError
-        If there is no such parameter, no parameter has several values, lists that go together
-        differ in length, or an option is out of range.
+    SceneError is raised if there is no such parameter, no parameter has several values, lists that
+    go together differ in length, or an option is out of range.
     """
     scene = checked_subject(scene)
     of_interface = bool(scene.on_line)

@@ -41,12 +41,7 @@ def solved_chunk(
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of parameter to (m,) array
-    fixed : mapping of parameter to number
-    question : Question
+    Values (m,) are those of the parameters at each point, fixed ones the same at all.
     """
     count = len(next(iter(values.values())))
     rows: list[Values] = [{} for _ in range(count)]

@@ -135,10 +135,7 @@ def run_survey(
 ) -> Any:
     """Run a planned survey; return and raise like `survey`.
 
-    Parameters
-    ----------
-    command : str
-        Call or command line that asked for the survey, stored in the dataset.
+    The dataset holds the command, a call or a command line, that asked for it.
     """
     if plan.scene.on_line and client is None:
         workers = workers if can_travel(plan.scene) else 1

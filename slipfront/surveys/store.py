@@ -51,13 +51,8 @@ def store_folder(path: Path) -> Path:
 
 @contextmanager
 def opened_store(path: Path, plan: SurveyPlan) -> Iterator[Store]:
-    """Open the store of a survey that will become a file, for one run at a time.
-
-    Raises
-    ------
-    DataFileError
-        If it cannot be written, another run uses it, or it holds another survey.
-    """
+    """Open the store of a survey that will become a file, for one run at a time; DataFileError if
+    it cannot be written, another run uses it, or it holds another survey."""
     folder = store_folder(path)
     with working_folder(folder):
         _check(folder, plan)
