@@ -20,8 +20,7 @@ from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.plugins import plugin_at_fault
-from slipfront.cli.endings.faults import READER_GONE, crashed, printable
-from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
+from slipfront.cli.endings.faults import INTERRUPTED, INTERRUPTION, READER_GONE, crashed, printable
 from slipfront.cli.endings.refusals import in_one_sentence, in_options
 from slipfront.cli.endings.unread import unread_said
 

@@ -1,4 +1,4 @@
-"""Arrays that the pictures of the page show, in the units of their axes.
+"""Arrays that the pictures of the page show, in the units of their axes, and answers in words.
 
 Positions are relative to c_t T, times to T, tractions to τ₀, slip rates to V₀, slip and
 displacement to V₀ T; T is the end time.  Pictures of one moment show the time `share` T.
@@ -12,10 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
+from compare.comparison.scales import (
+    contact_fronts,
+    reference_values,
+    slip_rate_scale,
+    stress_scale,
+)
 from compare.figures.fronts import fronts, moving_parts, reach
 from semianalytic import Marched, Scene
 from semianalytic.arrays import Array
+from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
+from semianalytic.scene.units import unit
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 KINDS = ("stick", "slip", "reverse slip", "open")
@@ -188,3 +195,31 @@ def field_view(fields: Any, points: int, share: float = 1.0, of: str = SPEED) ->
         for part in moving_parts(fields, time)
     ]
     return FieldView(np.minimum(size, largest), far / length, largest, lines, names, parts)
+
+
+def readings(answer: Any) -> list[list[str]]:
+    """Return further results of an answer, each with name and value."""
+    scene = answer.scene
+    if answer.method == "space-time":
+        slip = float(answer.max_slip(answer.end_time))
+        return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
+    speed = scene.material.shear_speed
+    parts = [
+        (kind_of_slip(zone.sense), zone.inner / speed, zone.outer / speed) for zone in answer.zones
+    ]
+    parts += [("open", opening.inner / speed, opening.outer / speed) for opening in answer.openings]
+    digits = digits_apart((end for _, *ends in parts for end in ends), 5)
+    rows = [
+        [kind, f"{inner:.{digits}g} … {number_or_infinity(outer, digits)} c_t"]
+        for kind, inner, outer in sorted(parts, key=lambda part: part[1])
+    ]
+    return rows or [["interface", "sticks everywhere"]]
+
+
+def scales(scene: Scene) -> list[list[str]]:
+    """Return the scales of the axes: symbol, value with its unit."""
+    time = end_time(scene)
+    named = reference_values(scene, time)
+    named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
+    shown = {symbol: named[symbol] for symbol in ("c_t T", "T", "τ₀", "V₀")}
+    return [[symbol, f"{value:.4g} {name}"] for symbol, (value, name) in shown.items()]

@@ -21,7 +21,7 @@ SAME = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class FieldChange:
-    """Error and mesh changes of a component of the last frame, whole or without a band at fronts."""
+    """Error and mesh changes of a component of the last frame, whole or without bands at fronts."""
 
     component: str  # v_x, ..., u_x, ..., sigma_xx, ...
     part: str  # one of `PARTS`

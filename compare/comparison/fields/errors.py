@@ -12,10 +12,9 @@ import numpy as np
 
 from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
-from compare.comparison.fields.frames import Frame, last_frame, read_frame
+from compare.comparison.fields.frames import Frame, last_frame, listed_frames, read_frame
 from compare.comparison.fields.fronts import SceneFronts, fronts_of
 from compare.comparison.fields.pairs import Pair, frame_pairs, norms_of
-from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer

@@ -12,9 +12,8 @@ from compare_cases import Spoilt
 
 from compare.comparison.fields import errors as fields
 from compare.comparison.fields.errors import field_errors, frame_pairs, pair_errors
-from compare.comparison.fields.frames import last_frame, read_frame
+from compare.comparison.fields.frames import last_frame, listed_frames, read_frame
 from compare.comparison.fields.fronts import StraightFront, fronts_of
-from compare.comparison.snapshots import listed_frames
 from fem import simulate
 from semianalytic import IncidentWave, Material, MovingLoad, Pulse, Scene, Tractions, solve
 from semianalytic.results.files import Seal, new_file, write_bytes

@@ -7,7 +7,7 @@ import pytest
 
 from compare.figures.named import DEFAULT_FIGURE
 from compare.figures.quantities import QUANTITIES, find_quantity
-from fem.elements.families import FAMILIES
+from fem.elements.assembly import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find
 from semianalytic.methods import chosen
