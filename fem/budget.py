@@ -145,12 +145,10 @@ def cost(
     return predicted
 
 
-def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
-    """Predict what a plan needs; checkpoints, if they are written, pass through memory."""
-    return _cost(plan, plan.steps(), plan.settings.every, checkpoints)
-
-
-def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
+def predict_cost(plan: Plan, steps: int | None = None, *, checkpoints: bool = False) -> Cost:
+    """Predict what a plan needs, of its own steps or as many as given; checkpoints, if they are
+    written, pass through memory."""
+    steps, every = plan.steps() if steps is None else steps, plan.settings.every
     mesh_kind, frames = plan.settings.mesh, plan.settings.frames if plan.full else 0
     matrices = 1 if plan.is_half or len(set(plan.scene.bodies)) == 1 else 2
     mesh = max(map(len, plan.bodies)) * plan.nodes * matrices // (1 if plan.is_half else 2)
@@ -203,14 +201,9 @@ def machine_pace() -> float:
 
 
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
-    """Refuse a run that needs more memory than it may; say which resolution or `every` would fit.
+    """Raise SceneError if a run needs more memory than it may; say which mesh or `every` would fit.
 
-    The limit is in bytes; 70 % of what is available if None.
-
-    Raises
-    ------
-    SceneError
-        If it needs more, or the limit is not a positive number.
+    The limit, a positive number, is in bytes; 70 % of what is available if None.
     """
     allowed = memory_limit(limit)
     if cost.memory <= allowed:
@@ -218,9 +211,9 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
     settings = plan.settings
 
     def memory(resolution: int, every: int) -> int:
-        other = replace(plan, settings=replace(settings, resolution=resolution))
+        changed = replace(settings, resolution=resolution, every=every)
         steps = math.ceil(cost.steps * resolution / settings.resolution)
-        return _cost(other, steps, every, checkpoints).memory
+        return predict_cost(replace(plan, settings=changed), steps, checkpoints=checkpoints).memory
 
     sizes = range(settings.resolution)
     too_large = bisect_right(
@@ -249,21 +242,10 @@ def free_space(folder: Path) -> int:
 
 
 def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
-    """Refuse a run whose files cannot be written or will find no room.
+    """Raise DataFileError if files cannot be written, or find no room, in the folder of a path.
 
-    Parameters
-    ----------
-    path : Path
-        A file that is to be written.
-    needed, freed : int
-        Size of it and of others in its folder, and of files that are removed first [bytes].
-    parts : str
-        Names of these files, as the subject of the sentence.
-
-    Raises
-    ------
-    DataFileError
-        If the folder cannot be written to, or has too little room.
+    Needed is their size, freed that of files that are removed first [bytes]; parts name them as the
+    subject of the sentence.
     """
     folder = path.absolute().parent
     made: list[Path] = []

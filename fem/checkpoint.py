@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -29,23 +28,19 @@ FORMAT = "slipfront checkpoint 7"
 @dataclass(frozen=True)
 class Checkpoint:
     """The state of a run between two steps: the last time level whose drift is done, the arrays of
-    bodies, interface and record by name, and the field snapshots (time, name) written so far.
+    each body, the interface and the record, and the field snapshots (time, name) written so far.
     """
 
     step: int
-    arrays: Mapping[str, NDArray[Any]]
+    parts: Mapping[str, Mapping[str, NDArray[Any]]]
     frames: list[tuple[float, str]]
 
     def restore(self, model: Model, record: MeshRecord) -> None:
         """Put a newly built model and record into this state."""
-        parts: dict[str, dict[str, NDArray[Any]]] = defaultdict(dict)
-        for path, array in self.arrays.items():
-            part, _, name = path.partition("/")
-            parts[part][name] = array
         for number, body in enumerate(model.bodies):
-            body.restore(parts[f"body {number}"])
-        model.joint.restore(parts["interface"])
-        record.restore(parts["record"])
+            body.restore(self.parts[f"body {number}"])
+        model.joint.restore(self.parts["interface"])
+        record.restore(self.parts["record"])
 
 
 def take_checkpoint(
@@ -54,8 +49,7 @@ def take_checkpoint(
     """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     parts = {f"body {number}": body.state() for number, body in enumerate(model.bodies)}
     parts |= {"interface": model.joint.sums(), "record": record.stored()}
-    arrays = {f"{part}/{name}": array for part, own in parts.items() for name, array in own.items()}
-    return Checkpoint(step, arrays, frames)
+    return Checkpoint(step, parts, frames)
 
 
 def run_identity(model: Model) -> dict[str, Any]:
@@ -94,32 +88,16 @@ class Keeper:
 
     A checkpoint that cannot be written does not stop the run: it goes on, the checkpoint before
     stays, and the next one is tried when it is due.
-
-    Parameters
-    ----------
-    path : Path or None
-        The file; None for no checkpoints.
-    pace : Pace
-        How often they are written.
-    identity : mapping
-        Identity of the run, from `run_identity`.
-    clock : callable
-        Wall-clock time [s]; seconds count from when the keeper is made.
-
-    Attributes
-    ----------
-    missing : str
-        Reason why the last checkpoint that was due is missing, as a sentence; empty if it is not.
     """
 
-    path: Path | None
-    pace: Pace
-    identity: Mapping[str, Any]
-    clock: Callable[[], float] = time.monotonic
+    path: Path | None  # the file; None for no checkpoints
+    pace: Pace  # how often they are written
+    identity: Mapping[str, Any]  # identity of the run, from `run_identity`
+    clock: Callable[[], float] = time.monotonic  # [s]; seconds count from when the keeper is made
 
     def __post_init__(self) -> None:
         self._last = self.clock()
-        self.missing = ""
+        self.missing = ""  # why the last checkpoint that was due is missing, as a sentence
 
     def resume(self, model: Model, record: MeshRecord) -> tuple[int, list[tuple[float, str]]]:
         """Restore the checkpoint, if any; return the first level to compute, and the frames."""
@@ -173,44 +151,32 @@ def forget_checkpoint(path: Path, run: str) -> None:
 
 
 def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:
-    """Write a checkpoint as HDF5; the file appears under its name only when it is on the disk.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
+    """Write a checkpoint as HDF5; raises as `whole_hdf5`."""
     with whole_hdf5(path) as file:
         file.attrs["format"] = FORMAT
         file.attrs["identity"] = json.dumps(identity)
         file.attrs["facts"] = json.dumps({"step": checkpoint.step, "frames": checkpoint.frames})
-        for name, array in checkpoint.arrays.items():
-            file[name] = array
+        for part, arrays in checkpoint.parts.items():
+            for name, array in arrays.items():
+                file[f"{part}/{name}"] = array
 
 
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
     """Read the checkpoint of the run that has this identity.
 
-    Raises
-    ------
-    DataFileError
-        If the file is damaged, not a checkpoint, or from another run; the message says which
-        option differs.
+    A DataFileError says that the file is damaged or not a checkpoint, or which option of its run
+    differs.
     """
-    import h5py
-
     try:
         with sealed_hdf5(path) as file:
             written_as = file.attrs.get("format")
             if written_as == FORMAT:
                 theirs = json.loads(file.attrs["identity"])
                 known = json.loads(file.attrs["facts"])
-                arrays: dict[str, NDArray[Any]] = {}
-                file.visititems(
-                    lambda name, item: (
-                        arrays.update({name: item[...]}) if isinstance(item, h5py.Dataset) else None
-                    )
-                )
+                parts = {
+                    part: {name: array[...] for name, array in group.items()}
+                    for part, group in file.items()
+                }
     # a damaged HDF5 file can make the parser fail in any way at all
     except Exception as error:
         raise DataFileError(
@@ -224,4 +190,4 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
                 f"{path} is of another run: its {name.replace('_', ' ')} is {theirs.get(name)}, "
                 f"not {identity.get(name)}; repeat those options or delete it."
             )
-    return Checkpoint(known["step"], arrays, [(time, name) for time, name in known["frames"]])
+    return Checkpoint(known["step"], parts, [(time, name) for time, name in known["frames"]])

@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
-
-Array = NDArray[np.float64]
 
 
 class ContactFace(NamedTuple):
@@ -112,18 +111,13 @@ OPEN = 2
 
 
 class KickTractions(NamedTuple):
-    """The tractions of a kick that are known in advance [stress].
+    """The tractions of a kick that are known in advance [stress]."""
 
-    Attributes
-    ----------
-    pressure, shear : float or (n,) arrays
-        Tractions that the contact would carry in uncut bodies.
-    along, across : float or (k,) arrays
-        Tractions on the upper slot face besides those in place, opposite on the lower one.
-    """
-
+    # float or (n,) arrays: tractions that the contact would carry in uncut bodies
     pressure: float | Array
     shear: float | Array
+    # float or (k,) arrays: tractions on the upper slot face besides those in place, opposite on the
+    # lower one
     along: float | Array
     across: float | Array
 
@@ -244,10 +238,7 @@ class Joint:
     def act(self, level: int, part: float) -> None:
         """Find the tractions of the kick at a level, which act for a part of a step; apply them.
 
-        Raises
-        ------
-        SceneError
-            If friction falls with slip rate faster than a pair of nodes can radiate.
+        Friction that falls with slip rate faster than nodes can radiate raises SceneError.
         """
         known = self.tractions(level)
         self.work = InterfaceWork(self._friction, self._impact, self._external)

@@ -15,14 +15,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem.interface import KickTractions
+from semianalytic.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def kick_means(history: LoadHistory, step: float, steps: int) -> Array:
@@ -113,18 +112,12 @@ class SceneTractions:
 
 
 class Arrived(NamedTuple):
-    """The fields of an incident wave in the uncut body, where there is none 0.
+    """The fields of an incident wave in the uncut body, where there is none 0."""
 
-    Attributes
-    ----------
-    displacement, velocity : (3, n) arrays
-        In x, y and z [length] and [length / time].
-    stress : dict of (n,) arrays
-        Stress by component: xx, yy, xy, xz and yz [stress], tension positive.
-    """
-
+    # (3, n) arrays: in x, y and z [length] and [length / time]
     displacement: Array
     velocity: Array
+    # dict of (n,) arrays: stress by component: xx, yy, xy, xz and yz [stress], tension positive
     stress: dict[str, Array]
 
 

@@ -15,6 +15,7 @@ from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
 from fem.interface import ContactFace, FacePair, Joint
 from fem.loading import kick_interval
 from fem.stepping import MarchedBody, highest_frequency, normalised
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.material import Material
@@ -51,7 +52,7 @@ def highest_of_patch(size: float, material: Material, components: tuple[int, ...
 
 def body_matrix(
     space: Space, material: Material, components: tuple[int, ...], place: NDArray[np.int64]
-) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+) -> tuple[sparse.csr_array, Array]:
     """Return stiffness and roots of masses of a body, as `normalised`, with nodes at new places."""
     mass = lumped_mass(space, material, place)
     return normalised(STIFFNESS[components](space, material, place), mass)
@@ -67,7 +68,7 @@ def unknowns_of(
 def face_pair(
     bodies: list[MarchedBody],
     numbers: NDArray[np.int64],
-    length: NDArray[np.float64],
+    length: Array,
     step: float,
     component: int,
     firsts: Sequence[int] = (0, 0),
@@ -91,16 +92,10 @@ class Walls:
     """Side walls that let plane waves pass along them.
 
     They fix u_y of the motion in which blocks move oppositely along x, and u_x of the rest.
-
-    Parameters
-    ----------
-    bodies : list of MarchedBody
-        The upper body and, unless it moves oppositely, the lower one.
-    along, across : arrays
-        Unknowns of u_x and of u_y on the walls.
     """
 
-    bodies: list[MarchedBody]
+    bodies: list[MarchedBody]  # the upper body and, unless it moves oppositely, the lower one
+    # unknowns of u_x and of u_y on the walls
     along: NDArray[np.int64]
     across: NDArray[np.int64]
 
@@ -118,23 +113,12 @@ class Walls:
 
 @dataclass
 class SidePush:
-    """Tractions on a side of a body that change with time.
+    """Tractions on a side of a body that change with time."""
 
-    Parameters
-    ----------
-    face : ContactFace
-        Unknowns of the side, each once.
-    force : (k,) array
-        Force on them where the history is 1 [stress length].
-    history : LoadHistory
-    step : float
-        dt [time].
-    """
-
-    face: ContactFace
-    force: NDArray[np.float64]
+    face: ContactFace  # unknowns of the side, each once
+    force: Array  # (k,) array: force on them where the history is 1 [stress length]
     history: LoadHistory
-    step: float
+    step: float  # dt [time]
 
     def __post_init__(self) -> None:
         self.now = np.zeros_like(self.force)
@@ -208,7 +192,7 @@ class March:
         for body in self.bodies:
             body.drift()
 
-    def energies(self) -> NDArray[np.float64]:
+    def energies(self) -> Array:
         """Return the energies in the middle of the past step, in the order of `EnergyHistory`."""
         bodies = np.sum([body.energy for body in self.bodies], axis=0)
         kinetic, strain, damping = bodies * self.copies / self.time_step**2

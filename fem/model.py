@@ -17,7 +17,10 @@ from fem.loading import SceneTractions
 from fem.march import March, Walls, body_matrix, face_pair, half_window, unknowns_of
 from fem.plan import TWO_MATERIALS, Plan
 from fem.stepping import MarchedBody, critical_step, highest_frequency
-from meshes import mesh_of
+from meshes import mesh_of, side_nodes
+from meshes.blocks import causal_margin
+from semianalytic.arrays import Array
+from semianalytic.scene.contact import wave_slips_ahead
 
 LAYER = 4
 """Elements in a layer of nodes whose unknowns begin to move together."""
@@ -25,7 +28,7 @@ LAYER = 4
 
 def number_by_arrival(
     space: Space, size: float, *, slides: bool
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.int64], Array]:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
     The size is that of elements [length].  Where the interface slides ahead of all waves of the
@@ -85,8 +88,8 @@ class Model(March):
     plan: Plan
     space: Space
     place: NDArray[np.int64]
-    contact_x: NDArray[np.float64]
-    slot_x: NDArray[np.float64]
+    contact_x: Array
+    slot_x: Array
     slot: NDArray[np.int64]
     critical_step: float
     steps: int
@@ -130,7 +133,8 @@ def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
 def build_model(plan: Plan, space: Space) -> Model:
     """Assemble the bodies of a plan on a mesh of the upper block; choose the step."""
     scene, damping_time = plan.scene, plan.damping_time
-    place, distance = number_by_arrival(space, plan.size, slides=plan.slides_ahead)
+    slides = wave_slips_ahead(scene, plan.end_time)
+    place, distance = number_by_arrival(space, plan.size, slides=slides)
     solids = scene.bodies[: 1 if plan.is_half else 2]
     matrices = {
         (solid, components): body_matrix(space, solid, components, place)
@@ -144,7 +148,8 @@ def build_model(plan: Plan, space: Space) -> Model:
     step = plan.end_time / steps
     for matrix, _ in matrices.values():
         matrix.data *= step**2
-    arrival = (distance - plan.forerun) / scene.fastest_speed
+    margin = causal_margin(scene.fastest_speed, plan.end_time, plan.size, damping_time)
+    arrival = (distance - margin) / scene.fastest_speed
     bodies = [
         MarchedBody(components, *matrices[solid, components], damping_time / step, arrival)
         for solid, components in product(solids, plan.bodies)
@@ -160,7 +165,7 @@ def build_model(plan: Plan, space: Space) -> Model:
             pairs.append(None if held else face_pair(moving, place[nodes], length, step, component))
         return FaceMotion(*pairs)
 
-    contact_nodes, slot_nodes = space.side_nodes("contact"), space.side_nodes("slot")
+    contact_nodes, slot_nodes = (side_nodes(space.points, side) for side in ("contact", "slot"))
     contact_x, slot_x = (space.points[0, nodes] for nodes in (contact_nodes, slot_nodes))
     window = half_window(plan.size, scene.material.shear_speed, step)
     tractions = SceneTractions(scene, step, steps + window, contact_x, slot_x)
@@ -168,7 +173,8 @@ def build_model(plan: Plan, space: Space) -> Model:
     joint = Joint(scene.law, state, motion("contact"), motion("slot"), tractions, pressure)
     walls = None
     if plan.name != TWO_MATERIALS and IN_PLANE in plan.bodies:
-        nodes = place[np.concatenate([space.side_nodes(side) for side in ("left", "right")])]
+        sides = [side_nodes(space.points, side) for side in ("left", "right")]
+        nodes = place[np.concatenate(sides)]
         moving = [body for body in bodies if body.components == IN_PLANE]
         walls = Walls(moving, *(unknowns_of(nodes, component, IN_PLANE) for component in IN_PLANE))
     return Model(

@@ -17,7 +17,7 @@ from fem.resolution import check_resolved, mesh_caution
 from fem.settings import COMPANIONS, Settings
 from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
-from meshes.blocks import causal_margin, observed_slot
+from meshes.blocks import observed_slot
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
@@ -38,18 +38,6 @@ TWO_MATERIALS = "two blocks of different materials"
 class Plan:
     """A run before anything is built: its scene, settings, and everything that follows from them.
 
-    Parameters
-    ----------
-    scene : Scene
-    end_time : float
-        T [time].
-    settings : Settings
-    full : bool
-        Whether whole fields are observed, not only the interface.
-    follows : bool
-        Whether the mesh has to follow the loads; that of a companion, whose steps are given by
-        those of its simulation, need not.
-
     Raises
     ------
     SceneError
@@ -59,9 +47,11 @@ class Plan:
     """
 
     scene: Scene
-    end_time: float
+    end_time: float  # T [time]
     settings: Settings
-    full: bool = False
+    full: bool = False  # whether whole fields are observed, not only the interface
+    # whether the mesh has to follow the loads; that of a companion, whose steps are given by those
+    # of its simulation, need not
     follows: bool = True
 
     def __post_init__(self) -> None:
@@ -84,11 +74,6 @@ class Plan:
                 "simulate: blocks of different materials slip along x as well where their "
                 "pressure changes; keep it constant in antiplane shear (docs/limits.md)."
             )
-
-    @property
-    def slides_ahead(self) -> bool:
-        """Whether the contact slides ahead of all waves of the edge, under a load from far away."""
-        return wave_slips_ahead(self.scene, self.end_time)
 
     @property
     def name(self) -> str:
@@ -140,11 +125,6 @@ class Plan:
     def damping_time(self) -> float:
         """eta of the damping C = eta K [time]."""
         return self.settings.damping * self.size / self.scene.material.shear_speed
-
-    @property
-    def forerun(self) -> float:
-        """Distance beyond the fastest front at which nodes may already move [length]."""
-        return causal_margin(self.scene.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
     def slot_length(self) -> float:
@@ -238,11 +218,7 @@ def make_plan(
     """Make the plan of a run from the arguments of `simulate` and `cost`.
 
     Options are fields of `Settings`, in place of those of `settings`; `full` observes whole fields.
-
-    Raises
-    ------
-    SceneError
-        If a setting is out of range, or for the reasons given at `Plan`.
+    A setting out of range raises SceneError, and so does what `Plan` refuses.
     """
     if settings is None:
         settings = Settings()

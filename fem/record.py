@@ -14,9 +14,9 @@ from fem.loading import arrived_wave
 from fem.march import unknowns_of
 from fem.model import Model
 from fem.results import ContactOpening, EnergyHistory, SlotHistory
+from semianalytic.arrays import Array
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.scene import Scene
 
 LEAST_GAP = 1e-9
 """Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:
@@ -42,7 +42,11 @@ class MeshRecord:
         plan, steps, nodes = model.plan, model.steps, len(model.contact_x) - 1
         self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
-        self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
+        solid, loads = plan.scene.material, plan.scene.superposition
+        largest = max(max(abs(load.pressure), abs(load.shear)) for load in loads)
+        # the displacement that the largest traction causes until the end
+        moved = largest / solid.shear_modulus * solid.shear_speed * plan.end_time
+        self._least_gap = LEAST_GAP * moved
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
@@ -86,7 +90,7 @@ class MeshRecord:
             joint = self.model.joint
             self._final[:] = joint.path[SEEN], joint.work_density()[SEEN]
 
-    def _store(self, step: int, gap: NDArray[np.float64]) -> None:
+    def _store(self, step: int, gap: Array) -> None:
         joint, row, dt = self.model.joint, self._row, self.model.time_step
         slip, _, shear, pressure = self._interface[:, row]
         shear[:], pressure[:] = joint.shear[SEEN], joint.pressure[SEEN]
@@ -120,7 +124,7 @@ class MeshRecord:
         for row in np.flatnonzero(self._levels == step + half):
             rates[row] = slip
 
-    def _sums(self) -> NDArray[np.float64]:
+    def _sums(self) -> Array:
         """Return the totals of the contact at this level, in the order of `Totals`."""
         joint, length = self.model.joint, self.model.joint.length
         if joint.sliding is None:
@@ -134,7 +138,7 @@ class MeshRecord:
             ]
         )
 
-    def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
+    def _note_opening(self, step: int, gap: Array) -> None:
         """Record a gap, (n,), that is open somewhere."""
         x, length = self.model.contact_x[SEEN], self.model.joint.length
         lengths = length[SEEN].copy()
@@ -189,16 +193,10 @@ class MeshRecord:
             "opened": None if math.isinf(first) else ContactOpening(first, place, largest, length),
         }
 
-    def _whole_velocity(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _whole_velocity(self, times: Array) -> Array:
         """Return the velocity of the slot, (2, m, n), with an incident wave as part of it."""
         scene, places = self.model.plan.scene, np.zeros_like(self._slot_x)
         waves = [arrived_wave(scene, self._slot_x, places, t) for t in times.tolist()]
         along = [Z if scene.antiplane else X, Y]
         arrived = [wave.velocity[along] for wave in waves if wave is not None]
         return self._velocity + np.stack(arrived, axis=1) if arrived else self._velocity
-
-
-def displacement_scale(scene: Scene, end_time: float) -> float:
-    """Return the displacement that the largest traction causes within a time [length]."""
-    largest = max(max(abs(load.pressure), abs(load.shear)) for load in scene.superposition)
-    return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

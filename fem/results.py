@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import mesh_caution
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
@@ -46,10 +47,10 @@ class SlotHistory:
     True
     """
 
-    x: NDArray[np.float64]
-    t: NDArray[np.float64]
-    velocity_x: NDArray[np.float64]
-    velocity_y: NDArray[np.float64]
+    x: Array
+    t: Array
+    velocity_x: Array
+    velocity_y: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,13 +86,13 @@ class EnergyHistory:
     True
     """
 
-    t: NDArray[np.float64]
-    kinetic: NDArray[np.float64]
-    strain: NDArray[np.float64]
-    friction: NDArray[np.float64]
-    damping: NDArray[np.float64]
-    external: NDArray[np.float64]
-    impact: NDArray[np.float64]
+    t: Array
+    kinetic: Array
+    strain: Array
+    friction: Array
+    damping: Array
+    external: Array
+    impact: Array
 
     @property
     def residual(self) -> float:
@@ -235,9 +236,9 @@ class Simulation(SampledAnswer):
     unknowns: int
     interface: InterfaceHistory
     state: NDArray[np.int8]
-    slip_after: NDArray[np.float64]
-    final_path: NDArray[np.float64]
-    final_work_density: NDArray[np.float64]
+    slip_after: Array
+    final_path: Array
+    final_work_density: Array
     totals: Totals
     opened: ContactOpening | None
     slot: SlotHistory
@@ -254,7 +255,7 @@ class Simulation(SampledAnswer):
         )
 
     @property
-    def is_open(self) -> NDArray[np.bool_]:
+    def is_open(self) -> Mask:
         """Whether each node of `interface` is open in the step after each time, (m, n)."""
         return self.state == OPEN
 

@@ -86,13 +86,8 @@ class Settings:
 
 @dataclass(frozen=True)
 class Pace:
-    """The interval between checkpoints, in steps or seconds, whichever is shorter.
-
-    Raises
-    ------
-    SceneError
-        If one is out of range.
-    """
+    """The interval between checkpoints, in steps or seconds, whichever is shorter; SceneError
+    refuses one that is out of range."""
 
     steps: int | None = None
     seconds: float | None = None

@@ -20,6 +20,7 @@ from fem.budget import free_space
 from fem.loading import arrived_wave
 from fem.model import Model
 from fem.settings import COMPANIONS
+from semianalytic.arrays import Array
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
 
@@ -150,9 +151,7 @@ class Snapshots:
             cell_data={name: [field.astype(PRECISION)] for name, field in stress.items()},
         )
 
-    def _stress(
-        self, displacement: NDArray[np.float64], time: float
-    ) -> dict[str, NDArray[np.float64]]:
+    def _stress(self, displacement: Array, time: float) -> dict[str, Array]:
         """Return the stress at the centre of each element under what the slot scatters, the base
         and an incident wave."""
         scene = self.model.plan.scene
@@ -179,7 +178,7 @@ class Snapshots:
             stress = {name: values + wave.stress[name[-2:]] for name, values in stress.items()}
         return stress
 
-    def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _gradient(self, displacement: Array) -> Array:
         """Return the gradient d_j u_i at the centre of each element, (3, 2, elements), i first."""
         basis = self.model.space.basis
         parts = []
@@ -266,12 +265,7 @@ def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
 
     The folder need not exist.  If its index was of another run, the frames of its companions go
-    too.
-
-    Raises
-    ------
-    DataFileError
-        If they cannot be removed.
+    too.  DataFileError is raised if they cannot be removed.
     """
     listed = [entry.get("file") for entry in _collection(directory).iter("DataSet")]
     try:
@@ -293,7 +287,7 @@ def forget_other_frames(directory: Path, run: str) -> None:
         ) from error
 
 
-def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def both_blocks(model: Model) -> tuple[Array, NDArray[np.int64]]:
     """Return the positions (2, n) of the nodes of both blocks, and each element's nodes (k, m).
 
     The lower block, the mirror image of the upper one, comes last.
@@ -307,7 +301,7 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     )
 
 
-def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+def spread(model: Model, unknowns: list[Array]) -> Array:
     """Return the vectors (n, 3) at the nodes of `both_blocks`.
 
     They come from the mass-normalised unknowns of each body.

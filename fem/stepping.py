@@ -27,10 +27,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
+from semianalytic.arrays import Array
 
-def normalised(
-    stiffness: sparse.csr_array, mass: NDArray[np.float64]
-) -> tuple[sparse.csr_array, NDArray[np.float64]]:
+
+def normalised(stiffness: sparse.csr_array, mass: Array) -> tuple[sparse.csr_array, Array]:
     """Return the stiffness in mass-normalised unknowns, and the roots of their masses.
 
     The stiffness (m n, m n) has m components per node, the lumped masses are (n,).  The first
@@ -85,58 +85,33 @@ class MarchedBody:
     The nodes are in order of arrival: only the first `active` unknowns move, all others are
     still at rest, and the product takes only the leading rows of the matrix.  A lower body is
     described by its mirror image on y > 0.
-
-    Parameters
-    ----------
-    components : tuple of int
-        Displacement components of a node, one unknown after the other: (0, 1) for x and y, (2,) for
-        z.
-    matrix : (n, n) CSR array
-        A = dt^2 K / (s s^T); may be shared between bodies.
-    root : (n,) array
-        s, square roots of the masses of the unknowns.
-    damping : float
-        eta / dt.
-    arrival : (nodes,) array
-        Times from which the nodes may move, increasing [time].
-    sides : (k,) array
-        Unknowns of sides that are held, or absorb plane waves by dashpots.
-    absorption : (k,) array
-        z = c dt / (2 m) of these unknowns, c being the dashpot of each [mass / time]; inf if held.
-
-    Attributes
-    ----------
-    displacement : (n,) array
-        U at the time level reached.
-    before, increment : (n,) arrays
-        D over the step before this level and, once kicked, over the step after it.
-    energy : BodyEnergy
-        Energies in the middle of the step before this level, once kicked.
-    active : int
-        Number of leading unknowns that move.
     """
 
+    # displacement components of a node, one unknown after the other: (0, 1) for x and y, (2,) for z
     components: tuple[int, ...]
-    matrix: sparse.csr_array
-    root: NDArray[np.float64]
-    damping: float
-    arrival: NDArray[np.float64]
+    matrix: sparse.csr_array  # (n, n), A = dt^2 K / (s s^T); may be shared between bodies
+    root: Array  # (n,) array: s, square roots of the masses of the unknowns
+    damping: float  # eta / dt
+    arrival: Array  # (nodes,) array: times from which the nodes may move, increasing [time]
+    # (k,) arrays: unknowns of sides that are held, or absorb plane waves by dashpots; and their
+    # z = c dt / (2 m), c being the dashpot of each [mass / time], inf if held
     sides: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    absorption: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    absorption: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         unknowns = self.matrix.shape[0]
-        self.displacement = np.zeros(unknowns)
+        self.displacement = np.zeros(unknowns)  # U at the time level reached
+        # D over the step before this level and, once kicked, over the step after it
         self.before = np.zeros(unknowns)
         self.increment = np.zeros(unknowns)
-        self.energy = BodyEnergy(0.0, 0.0, 0.0)
-        self.active = 0
+        self.energy = BodyEnergy(0.0, 0.0, 0.0)  # in the middle of the step before, once kicked
+        self.active = 0  # number of leading unknowns that move
         # what dashpots let pass of an impulse
         self.ease = np.ones(unknowns)
         self.ease[self.sides] = 1 / (1 + self.absorption)
         self._z = np.where(self.absorption < np.inf, self.absorption, 0.0)
         self._damped = np.zeros(unknowns)  # U + (eta/dt) D
-        self._force: dict[int, NDArray[np.float64]] = {}  # of each strip, by its first unknown
+        self._force: dict[int, Array] = {}  # of each strip, by its first unknown
         self._strips: list[tuple[slice, sparse.csr_array]] = []
         self._taken = 0.0  # (D of the past step) . force
         self._square = 0.0  # U . A U
@@ -198,12 +173,12 @@ class MarchedBody:
         results = [work(rows, matrix) for rows, matrix in self._strips]
         return [sum(values) for values in zip(*results, strict=True)]
 
-    def state(self) -> dict[str, NDArray[np.float64]]:
+    def state(self) -> dict[str, Array]:
         """The state from which the march continues, after a drift; the arrays are not copies."""
         sums = np.array([self._square, self._inside])
         return {"displacement": self.displacement, "increment": self.increment, "sums": sums}
 
-    def restore(self, state: Mapping[str, NDArray[np.float64]]) -> None:
+    def restore(self, state: Mapping[str, Array]) -> None:
         """Continue from the state of another body of the same model, to the last bit."""
         self.displacement[:], self.increment[:] = state["displacement"], state["increment"]
         self._square, self._inside = state["sums"].tolist()
@@ -228,7 +203,7 @@ class MarchedBody:
         )
 
 
-def _dot(vector: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def _dot(vector: Array, other: Array) -> float:
     """Return a scalar product without BLAS, whose threads wait for one another when busy."""
     return float(np.einsum("i,i", vector, other))
 

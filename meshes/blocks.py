@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import SceneError
 
 PATTERNS = ("squares", "triangles")
@@ -43,10 +44,7 @@ class Blocks:
     pattern: str = "squares"
 
     def __post_init__(self) -> None:
-        if self.pattern not in PATTERNS:
-            raise SceneError(
-                f"mesh: the mesh must be one of {', '.join(PATTERNS)}, got {self.pattern!r}."
-            )
+        checked_word("mesh: the mesh", self.pattern, PATTERNS)
         if not (math.isfinite(self.size) and self.size > 0):
             raise SceneError(f"mesh: the element size must be positive, got {self.size}.")
         if min(self.left, self.right, self.height) < 1:

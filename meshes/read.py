@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from skfem import MeshTri
 
 from meshes.blocks import Blocks
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 POSITION_TOLERANCE = 1e-6
@@ -20,12 +21,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     """Read a block of triangles from a binary MSH 4.1 file, as `mesh_of` describes them.
 
     Nodes on the boundaries are put exactly on the grid; gmsh's own places are off by up to 1e-9
-    elements.
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing, damaged, or holds anything but this block.
+    elements.  A file that is missing, damaged, or holds anything else raises DataFileError.
     """
     points, elements = _parse(Path(path))
     places, mesh = points / blocks.size, MeshTri(points, elements)
@@ -44,7 +40,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshTri:
     return MeshTri(points, elements)
 
 
-def side_nodes(points: NDArray[np.float64], side: str) -> NDArray[np.int64]:
+def side_nodes(points: Array, side: str) -> NDArray[np.int64]:
     """Return the nodes of a named side of the block, in order of increasing x and then y.
 
     Slot and contact meet at the node of the interface that is nearest to x = 0.
@@ -70,7 +66,7 @@ def side_nodes(points: NDArray[np.float64], side: str) -> NDArray[np.int64]:
     return nodes[np.lexsort((y[nodes], x[nodes]))]
 
 
-def _parse(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def _parse(path: Path) -> tuple[Array, NDArray[np.int64]]:
     """Return places of nodes (2, n) [length] and the nodes of each triangle (3, m) of a file."""
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the path of a mesh file.")
@@ -90,7 +86,7 @@ def _parse(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     )
 
 
-def _is_covered(places: NDArray[np.float64], elements: NDArray[np.int64], blocks: Blocks) -> bool:
+def _is_covered(places: Array, elements: NDArray[np.int64], blocks: Blocks) -> bool:
     """Return whether triangles with nodes (2, n), in elements, cover the rectangle once."""
     first, second, third = (places[:, nodes] for nodes in elements)
     side, other = second - first, third - first

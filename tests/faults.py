@@ -101,8 +101,8 @@ def all_kinds():
     run = solve(fault, end_time=0.05, nodes=128, estimate=False)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
     points = read_points(ROOT / "docs" / "data" / "chart.csv")
-    arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}
-    checkpoint = Checkpoint(7, arrays, [(0.5, "fields-0001.vtu")])
+    parts = {"body 0": {"displacement": np.random.default_rng(3).normal(size=4000)}}
+    checkpoint = Checkpoint(7, parts, [(0.5, "fields-0001.vtu")])
     who = {"scene": "some"}
     return {
         "history": Kind("history.h5", save_history, InterfaceHistory.load),

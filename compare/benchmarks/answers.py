@@ -23,10 +23,9 @@ from compare.comparison.scales import stress_scale
 from compare.output.tables import csv_text
 from compare.records.record import QUANTITIES
 from semianalytic import solve
+from semianalytic.arrays import Array
 from semianalytic.results.answer import TOTALS, method_of
 from semianalytic.whole_line.drive import Drive
-
-Array = NDArray[np.float64]
 
 RTOL, PAIR_RTOL = 1e-12, 1e-10
 NODES = 2000
@@ -40,28 +39,18 @@ FINE = 1000
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """Records of an interface at the stations of its sheet: the limit of two grids.
+    """Records of an interface at the stations of its sheet: the limit of two grids."""
 
-    Attributes
-    ----------
-    x : (k,) array
-        Stations [length].
-    t : (m,) array
-        Times [time].
-    values : mapping of str to (m, k) array
-        The quantities that the sheet asks for, which are functions of x and t as of any answer: at
-        the nearest stations and times.
-    arrivals : (k,) array
-        First times at which the slip rate is above the level of the sheet [time]; inf if never.
-    errors : mapping
-        Stated relative L1 error of each quantity over times and stations; of "arrivals" the
-        largest error [time].  It is the difference from the limit of the next coarser two grids.
-    """
-
-    x: Array
-    t: Array
+    x: Array  # (k,) array: stations [length]
+    t: Array  # (m,) array: times [time]
+    # mapping of str to (m, k) array: the quantities that the sheet asks for, which are functions of
+    # x and t as of any answer: at the nearest stations and times
     values: Mapping[str, Array]
+    # (k,) array: first times at which the slip rate is above the level of the sheet [time]; inf if
+    # never
     arrivals: Array
+    # Stated relative L1 error of each quantity over times and stations; of "arrivals" the largest
+    # error [time]. It is the difference from the limit of the next coarser two grids.
     errors: Mapping[str, float]
 
     def __getattr__(self, name: str) -> Callable[[ArrayLike, ArrayLike], Array]:

@@ -1,20 +1,27 @@
-"""Problem sheets as pages in Markdown: the problem, what to report, its answer and classes."""
+"""Problem sheets as pages in Markdown, of problem, report, answer and classes, and as folders."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
 
 from compare.benchmarks.answers import (
     arrival_level,
     arrival_quantity,
+    checksums,
     digits_of,
     numbers_of,
     stated_errors,
+    table_of,
 )
-from compare.benchmarks.sheets import OPENING, SI, Sheet
+from compare.benchmarks.sheets import OPENING, SI, SUMS, Sheet
+from compare.output.places import working_folder
 from compare.output.tables import markdown_table
 from compare.records.record import QUANTITIES
+from semianalytic.results.files import remove_empty, write_bytes
 from semianalytic.results.in_words import kind_of_slip
+from semianalytic.scene.errors import SceneError
 
 IN_SI = (
     "In SI units, with moduli times 10 GPa, densities times 2500 kg/m³ and tractions times 10 MPa, "
@@ -132,3 +139,44 @@ def _classes(sheet: Sheet) -> Iterator[str]:
             for name, row in sheet.classes.items()
         ],
     )
+
+
+_TEXTS = {"md": page_of, "csv": table_of, "toml": lambda sheet: sheet.file}
+"""Texts of a sheet by the endings of their files."""
+
+
+def exported(sheets: Sequence[Sheet]) -> dict[str, bytes]:
+    """Return page, answer and problem of sheets, and checksums, by path below the folder."""
+    texts = (text(sheet).encode() for sheet in sheets for text in _TEXTS.values())
+    contents = dict(zip(_names(sheets), texts, strict=True))
+    return {**contents, SUMS: checksums(contents).encode()}
+
+
+def _names(sheets: Sequence[Sheet]) -> list[str]:
+    return [f"{sheet.name}/{sheet.name}.{ending}" for sheet in sheets for ending in _TEXTS]
+
+
+def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) -> list[Path]:
+    """Write sheets into a folder, all or none, and return what was written.
+
+    Files that are there are replaced only with `overwrite`, else refused by a SceneError before
+    anything is solved.
+    """
+    there = sorted(name for name in (*_names(sheets), SUMS) if (folder / name).exists())
+    if there and not overwrite:
+        raise SceneError(
+            f"{folder / there[0]} exists already; choose another folder, or give --overwrite."
+        )
+    with working_folder(folder):
+        contents = exported(sheets)
+        new = [folder / name for name in contents if name not in there]
+        try:
+            for name, data in contents.items():
+                write_bytes(folder / name, data)
+        except BaseException:
+            for path in new:
+                with suppress(OSError):
+                    path.unlink(missing_ok=True)
+            remove_empty([path.parent for path in new if path.parent != folder])
+            raise
+    return [folder / name for name in contents]

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.benchmarks import answers
 from compare.benchmarks.sheets import SI, Sheet, find_sheet
@@ -23,10 +22,9 @@ from compare.records.record import AFTER, QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import pooled, station_norm
+from semianalytic.arrays import Mask
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import lines_of
-
-Array = NDArray[np.float64]
 
 ARRIVAL = "arrival"
 GRADED = (ARRIVAL, *QUANTITIES)
@@ -42,47 +40,27 @@ _STATED = Conventions(sign="as-given", slip="relative", pressure="compression", 
 
 @dataclass(frozen=True)
 class Score:
-    """One number of a run.
-
-    Attributes
-    ----------
-    file, sheet : str
-    verdict : str
-        Verdict of `validate` on the whole run.
-    quantity : str
-        One of `QUANTITIES`, or "arrival".
-    error : float
-        Root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
-        not hold the quantity.
-    grade : str
-        As by `class_of`; "" where the run holds less than `ENOUGH`.
-    held : float
-        Part of the time, at all stations together, that the run holds without gaps.
-    notes : tuple of str
-        Corrections made in reading the run, and parts that were not read, a sentence each.
-    """
+    """One number of a run."""
 
     file: str
     sheet: str
-    verdict: str
-    quantity: str
+    verdict: str  # verdict of `validate` on the whole run
+    quantity: str  # one of `QUANTITIES`, or "arrival"
+    # root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
+    # not hold the quantity
     error: float
-    grade: str
-    held: float
+    grade: str  # as by `class_of`; "" where the run holds less than `ENOUGH`
+    held: float  # part of the time, at all stations together, that the run holds without gaps
+    # corrections made in reading the run, and parts that were not read, a sentence each
     notes: tuple[str, ...]
 
 
 def score_files(paths: Iterable[Path], sheet: Sheet | None = None) -> tuple[Score, ...]:
     """Score the runs of files; files that hold one station each are one run, as for `validate`.
 
-    They are of a sheet that is given, or that they name (``# benchmark: NAME``).
-
-    Raises
-    ------
-    DataFileError
-        If a file cannot be read, is of another sheet, or in other units; or as `score`.
-    SceneError
-        If nothing says which sheet it is of.
+    They are of a sheet that is given, or that they name (``# benchmark: NAME``); SceneError if
+    neither.  A file that cannot be read, is of another sheet, or in other units, raises
+    DataFileError, and `score` may.
     """
     runs: dict[str, list[Path]] = {}
     for path in paths:
@@ -163,7 +141,7 @@ def class_of(sheet: Sheet, quantity: str, error: float) -> str:
     )
 
 
-def _near(sheet: Sheet, x: float) -> NDArray[np.bool_]:
+def _near(sheet: Sheet, x: float) -> Mask:
     """Return which stations of a sheet are at a position, (k,)."""
     return np.asarray(np.abs(np.array(sheet.stations) - x) <= 1e-3 * sheet.extent)
 

@@ -44,62 +44,31 @@ _BY_FILE = "The file below states all of {}, with the keys of docs/scenes.md and
 
 @dataclass(frozen=True)
 class Sheet:
-    """A problem.
+    """A problem."""
 
-    Attributes
-    ----------
-    name : str
-        That of the scene or whole line, unless there is an interface.
-    title : str
-    tests : str
-        Abilities of a code that passes.
-    report : tuple of str
-        Quantities to record at the stations, among `compare.records.record.QUANTITIES`.
-    arrival : str
-        Event timed at the stations: "slip", the first slip rate above a level; "opening", the
-        first pressure below it; "" if nothing is.
-    note : str
-        Further information.
-    statement : str
-        The problem in words.
-    interface : str
-        The interface as a file that `run` reads; "" of all else.
-    units : str
-        The system of units.
-    stations : tuple of float
-        Positions [length].
-    step : float
-        Distance of the times of an interface's answer [time].
-    extent : float
-        Length over which cells are counted [length].
-    extent_words : str
-        The same in words.
-    nodes, order : int
-        Nodes of the finest grid of an interface whose answer is stored, and the order at which its
-        runs converge; 0 of one that is marched when it is asked for.
-    level : float
-        Slip rate whose first time is the arrival at an interface [length / time].
-    classes : mapping of str to tuple of float
-        Largest errors of the classes A, B and C by quantity, relative, or over T for "arrival":
-        those of our finite elements on 200, 100 and 50 cells, rounded up to two digits.
-    """
-
-    name: str
+    name: str  # that of the scene or whole line, unless there is an interface
     title: str
-    tests: str
+    tests: str  # abilities of a code that passes
+    # quantities to record at the stations, among `compare.records.record.QUANTITIES`
     report: tuple[str, ...]
+    # event timed at the stations: "slip", the first slip rate above a level; "opening", the first
+    # pressure below it; "" if nothing is
     arrival: str = "slip"
-    note: str = ""
-    statement: str = STATEMENT
-    interface: str = ""
-    units: str = PLAIN
-    stations: tuple[float, ...] = STATIONS
-    step: float = 0.0
-    extent: float = 1.0
-    extent_words: str = "c_t T"
+    note: str = ""  # further information
+    statement: str = STATEMENT  # the problem in words
+    interface: str = ""  # the interface as a file that `run` reads; "" of all else
+    units: str = PLAIN  # the system of units
+    stations: tuple[float, ...] = STATIONS  # positions [length]
+    step: float = 0.0  # distance of the times of an interface's answer [time]
+    extent: float = 1.0  # length over which cells are counted [length]
+    extent_words: str = "c_t T"  # the same in words
+    # nodes of the finest grid of an interface whose answer is stored, and the order at which its
+    # runs converge; 0 of one that is marched when it is asked for
     nodes: int = 0
     order: int = 0
-    level: float = 0.0
+    level: float = 0.0  # slip rate whose first time is the arrival at an interface [length / time]
+    # largest errors of the classes A, B and C by quantity, relative, or over T for "arrival": those
+    # of our finite elements on 200, 100 and 50 cells, rounded up to two digits
     classes: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
 
     @property

@@ -13,17 +13,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
+from semianalytic.arrays import Array
 from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_scene, scene_label
-
-Array = NDArray[np.float64]
 
 QUANTITIES = ("slip_rate", "slip")
 """Quantities that can be compared; slip serves where nothing slips any more at the end."""

@@ -43,31 +43,20 @@ order, over their change.  The value is that of order 1/2, rounded up.  One of 3
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """Error bar of a reading: how far it may be off, judged by coarser meshes.
+    """Error bar of a reading: how far it may be off, judged by coarser meshes."""
 
-    Attributes
-    ----------
-    size : float
-        Length of the bar, in the unit of the changes.
-    order : float or None
-        Observed order of convergence; None with two meshes only, or where nothing changes.
-    limit : float
-        Largest error of the finest mesh that the coarser meshes alone allow, if it converges at
-        all.  A faulty finest mesh widens `size` but not this limit.  Infinite with two meshes.
-    converges : bool
-        Whether the last change is no larger than `LEAST_ORDER` allows.
-    """
-
-    size: float
+    size: float  # length of the bar, in the unit of the changes
+    # observed order of convergence; None with two meshes only, or where nothing changes
     order: float | None
+    # Largest error of the finest mesh that the coarser meshes alone allow, if it converges at all.
+    # A faulty finest mesh widens `size` but not this limit. Infinite with two meshes.
     limit: float
-    converges: bool
+    converges: bool  # whether the last change is no larger than `LEAST_ORDER` allows
 
 
 def error_bar(
     changes: Sequence[float],
     floor: float = 0.0,
-    ratio: float = 2.0,
     most: float = LARGEST_ORDER,
     norm: bool = False,
 ) -> ErrorBar:
@@ -76,18 +65,17 @@ def error_bar(
     Changes are differences from the mesh 2h to h and, if there is such a mesh, from 4h to 2h:
     signed ones of one value, or norms of those of a field.  The floor is the uncertainty due to
     nodes, steps and rounding, in the same unit: changes that do not fall with `LEAST_ORDER` and are
-    no larger than it allows show no order, and the last one counts as no smaller than it.  The
-    ratio is that of the element sizes of two successive meshes, `most` the largest order that is
-    believed, and `norm` says that no change is small by chance.
+    no larger than it allows show no order, and the last one counts as no smaller than it.  `most`
+    is the largest order that is believed, and `norm` says that no change is small by chance.
     """
-    order = observed_order(changes, ratio)
+    order = observed_order(changes)
     if len(changes) == 1:
         size = RANGE * max(abs(changes[0]), floor) + floor  # it may be small by chance
         return ErrorBar(size, order, math.inf, converges=True)
     last, before = abs(changes[0]), abs(changes[1])
     # the uncertainty of the nodes on both meshes may change the reading by itself
-    slowest = before / ratio**LEAST_ORDER + (1 + ratio) * floor
-    limit = SAFETY * slowest / (ratio**LEAST_ORDER - 1) + floor
+    slowest = before / 2**LEAST_ORDER + 3 * floor
+    limit = SAFETY * slowest / (2**LEAST_ORDER - 1) + floor
     if last > slowest:
         size = RANGE * max(last, before, abs(changes[0] + changes[1])) + floor
         return ErrorBar(size, order, limit, converges=False)
@@ -95,7 +83,7 @@ def error_bar(
     if seen < LEAST_ORDER and max(last, before) > ROUNDING * floor:
         last = max(last, floor)  # only the uncertainty of the nodes allows it: small by chance
     believed = min(max(seen, LEAST_ORDER), most)
-    missing = (last if norm else max(last, before / ratio**most)) / (ratio**believed - 1)
+    missing = (last if norm else max(last, before / 2**most)) / (2**believed - 1)
     return ErrorBar(min(SAFETY * missing + floor, limit), order, limit, converges=True)
 
 
@@ -103,7 +91,7 @@ def slowest_bar(error: ErrorBar, changes: Sequence[float], floor: float = 0.0) -
     """Error bar of a reading that converges by itself, although its changes together with those of
     what drives it do not: the changes are taken to fall with `LEAST_ORDER`.
 
-    The error is that of the changes; these and the floor are as for `error_bar`, for a ratio of 2.
+    The error is that of the changes; these and the floor are as for `error_bar`.
     """
     last = max(abs(change) / 2 ** (LEAST_ORDER * older) for older, change in enumerate(changes))
     size = SAFETY * last / (2**LEAST_ORDER - 1) + floor

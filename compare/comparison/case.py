@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.bars import LARGEST_ORDER
 from compare.comparison.fields.fronts import jump_times
@@ -20,6 +19,7 @@ from compare.comparison.mesh_choice import Feature, Prices, short_waves_grow
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
+from semianalytic.arrays import Array, Mask
 from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer, method_of
 from semianalytic.results.interface_history import InterfaceHistory
@@ -28,8 +28,6 @@ from semianalytic.results.sampled import interpolated
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 UNSEEN = 5
 """Least width, in elements or nodes in a row, at which norms count a zone, an opening or a gap as

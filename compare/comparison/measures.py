@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
-
-Array = NDArray[np.float64]
 
 NOTHING = 1e-6
 """Part of its unit up to which a value counts as nothing."""
@@ -31,7 +29,7 @@ PROBES = (0.04, 0.25, 0.5, 0.75)
 """Places at which histories are read, over c_t T."""
 
 
-def within(values: Array, low: float, high: float) -> NDArray[np.bool_]:
+def within(values: Array, low: float, high: float) -> Mask:
     """Mask of the values between two limits that are not negative, both included.
 
     A value that differs from a limit by rounding alone is included, so that the choice does not
@@ -76,15 +74,6 @@ def is_nothing(values: Array, unit: float) -> bool:
     An empty array is nothing.
     """
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
-
-
-def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
-    """First time at which |slip rate| at one point exceeds a threshold [length / time].
-
-    It is interpolated linearly between two samples of the record (m,) [time]; None if slip stays
-    slower.
-    """
-    return first_above(time, np.abs(slip_rate), threshold)
 
 
 def first_above(time: Array, values: Array, level: float) -> float | None:

@@ -72,15 +72,8 @@ def predict_like(
     """Predict the scene of a simulation, on its contact and until its end.
 
     Its scene, end time, nodes and times are used, but none of its results.  The method is "auto",
-    "self-similar" or "space-time"; `progress` is that of `march`.
-
-    Raises
-    ------
-    SceneError
-        If the method does not apply to the scene, a march cannot follow its loads, or two different
-        bodies have no exact answer.
-    TensionError, ComputationError
-        If the pressure turns tensile, so that neither solver applies, or a march fails.
+    "self-similar" or "space-time"; `progress` is that of `march`.  Errors are those of `solve`, and
+    SceneError if a march cannot follow the loads.
     """
     solution = predict_before(simulation.scene, method)
     if solution is not None:

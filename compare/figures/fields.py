@@ -13,7 +13,7 @@ from matplotlib.text import Annotation
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Moving, Window, fronts, moving_parts
-from compare.figures.quantities import Array, Quantity
+from compare.figures.quantities import Quantity
 from compare.figures.style import (
     BLACK,
     ORANGE,
@@ -29,6 +29,7 @@ from compare.figures.style import (
     scene_words,
 )
 from compare.output.field_files import Fields
+from semianalytic.arrays import Array
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995

@@ -15,12 +15,8 @@ from compare.comparison.case import Case
 from compare.comparison.quantities.history_rows import sense_maps
 from compare.comparison.quantities.local_rows import worst_places
 from compare.figures import style
-from compare.figures.interface import (
-    POINTS,
-    Array,
-    fronts_figure,
-    interface_figure,
-)
+from compare.figures.interface import POINTS, fronts_figure, interface_figure
+from semianalytic.arrays import Array
 from semianalytic.results.answer import method_of
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)

@@ -10,13 +10,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from compare.figures import style
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.plotting import draw_map, draw_profile, scene_title, shown_units
-
-Array = NDArray[np.float64]
 
 POINTS = 1500
 

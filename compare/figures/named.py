@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -30,20 +30,17 @@ def answer_figure(answer: Any, t: float | None = None) -> Figure:
     return style.describe(figure, scene_title(answer.scene))
 
 
-OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: answer_figure}
-
-
 def find_figure(name: str) -> Draw:
     """Return the function of a name that draws an answer; SceneError if there is none.
 
     Where a package that provides it is broken, or draws no figure, a PluginError is raised, also by
     the function.
     """
-    if name in OWN_FIGURES:
-        return OWN_FIGURES[name]
+    if name == DEFAULT_FIGURE:
+        return answer_figure
     plugin = find_plugin(FIGURES, name)
     if plugin is None:
-        names = [*OWN_FIGURES, *plugin_names(FIGURES, OWN_FIGURES)]
+        names = [DEFAULT_FIGURE, *plugin_names(FIGURES, (DEFAULT_FIGURE,))]
         hint = meant(name, names, f"choose {', '.join(names)}.", 0.5)
         raise SceneError(f"There is no figure called {name!r}; {hint}")
     draw = plugin.load()

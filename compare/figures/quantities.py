@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
 from compare.output.field_files import Fields, in_parts, resolved
 from semianalytic import Scene, SceneError, fringes
+from semianalytic.arrays import Array
 from semianalytic.results.derived import principal_difference
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import unit
-
-Array = NDArray[np.float64]
 
 FRINGES = 4
 """Default number of fringes per reference stress τ₀."""
@@ -24,23 +22,13 @@ FRINGES = 4
 
 @dataclass(frozen=True)
 class Quantity:
-    """A scalar at every point of the bodies.
+    """A scalar at every point of the bodies."""
 
-    Attributes
-    ----------
-    label : str
-        Label of a colour bar, without its unit.
-    field : str
-        Name of the method of `Fields` that supplies the field.
-    of : callable
-        Function that computes the scalar from the rows of that field.
-    kind : str
-        Whether it is a "size" >= 0, has a "sign", or is a "light" intensity from 0 to 1.
-    """
-
-    label: str
+    label: str  # label of a colour bar, without its unit
+    # name of the method of `Fields` that supplies the field
     field: Literal["velocity", "stress", "displacement"]
-    of: Callable[[Array], Array]
+    of: Callable[[Array], Array]  # function that computes the scalar from the rows of that field
+    # whether it is a "size" >= 0, has a "sign", or is a "light" intensity from 0 to 1
     kind: Literal["size", "sign", "light"] = "sign"
 
     def at(self, fields: Fields, x: Array, y: Array, t: float) -> Array:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from compare.output.places import write_text
 from compare.output.tables import csv_text
+from semianalytic.arrays import Array
 from semianalytic.results.derived import strain
 from semianalytic.scene.units import unit
 
-Array = NDArray[np.float64]
 Fields = Any
 """Answers that hold the fields in both bodies, and those of the contact."""
 SHOWN = 4.0
@@ -32,29 +32,19 @@ _AXES = ("xx", "yy", "xy", "xz", "yz")
 
 @dataclass(frozen=True, eq=False)
 class FieldRecord:
-    """Record of strain gauges and vibrometers at one point.
+    """Record of strain gauges and vibrometers at one point."""
 
-    Attributes
-    ----------
-    x, y : float
-        Position [length]; y = 0.0 and -0.0 are the faces of the upper and the lower body.
-    t : (n,) array
-        Times [time].
-    velocity, displacement : (2 or 3, n) arrays
-        Particle velocity [length / time] and displacement since t = 0 [length].
-    stress : (3 or 5, n) array
-        Stress, tension positive, including the base state except in sigma_xx [stress].
-    strain : (3 or 5, n) array
-        Change of strain since t = 0.
-    """
-
+    # position [length]; y = 0.0 and -0.0 are the faces of the upper and the lower body
     x: float
     y: float
-    t: Array
+    t: Array  # (n,) array: times [time]
+    # (2 or 3, n) arrays: particle velocity [length / time] and displacement since t = 0 [length]
     velocity: Array
     displacement: Array
+    # (3 or 5, n) array: stress, tension positive, including the base state except in sigma_xx
+    # [stress]
     stress: Array
-    strain: Array
+    strain: Array  # (3 or 5, n) array: change of strain since t = 0
 
     def columns(self, units: str) -> Iterator[tuple[str, Array]]:
         """Yield the columns of a table: heading with unit, and values."""

@@ -16,13 +16,8 @@ LOCK = ".slipfront.lock"
 
 
 def check_file(path: Path) -> None:
-    """Check that a file can be written, and leave nothing behind.
-
-    Raises
-    ------
-    SceneError, DataFileError
-        If the path exists and is no file, or it cannot be written.
-    """
+    """Check that a file can be written, and leave nothing behind; SceneError if the path exists and
+    is no file, DataFileError if it cannot be written."""
     try:
         if path.exists() and not path.is_file():
             kind = "a folder" if path.is_dir() else "not an ordinary file"
@@ -42,17 +37,8 @@ def working_folder(directory: Path) -> Iterator[list[Path]]:
     """Open an output folder, made if necessary, that no other run can write to meanwhile.
 
     The lock ends with the process, however that ends.  A folder made here is removed if it stays
-    empty.
-
-    Yields
-    ------
-    list of Path
-        Empty at first; at the end it lists files and folders that are new or have changed.
-
-    Raises
-    ------
-    DataFileError
-        If it is not a folder, cannot be written, or is in use by another run.
+    empty.  The list is empty at first; at the end it has the files and folders that are new or have
+    changed.  DataFileError if it is not a folder, cannot be written, or is in use by another run.
     """
     made: list[Path] = []
     try:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from compare.records.names import known_columns, no_columns
-from compare.records.record import QUANTITIES, Array, ReadingOptions, Records
+from compare.records.record import QUANTITIES, ReadingOptions, Records
 from compare.records.stations import joined_faces, stations_of_grid, stations_of_rows
+from semianalytic.arrays import Array
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError

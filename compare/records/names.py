@@ -65,27 +65,13 @@ NOISE = "noise"
 
 @dataclass(frozen=True)
 class Columns:
-    """Which column holds what.
+    """Which column holds what."""
 
-    Attributes
-    ----------
-    places : mapping from str to int
-        Column of each of `ALIASES` that there is.
-    units : mapping from str to Unit
-        Units of the columns that name one.
-    changes : frozenset of str
-        Tractions that are changes since t = 0, by their names.
-    notes : tuple of str
-        Assumptions that were made, a sentence each.
-    unread : tuple of str
-        Names of all other columns.
-    """
-
-    places: Mapping[str, int]
-    units: Mapping[str, Unit] = field(default_factory=dict)
-    changes: frozenset[str] = frozenset()
-    notes: tuple[str, ...] = ()
-    unread: tuple[str, ...] = ()
+    places: Mapping[str, int]  # column of each of `ALIASES` that there is
+    units: Mapping[str, Unit] = field(default_factory=dict)  # units of the columns that name one
+    changes: frozenset[str] = frozenset()  # tractions that are changes since t = 0, by their names
+    notes: tuple[str, ...] = ()  # assumptions that were made, a sentence each
+    unread: tuple[str, ...] = ()  # names of all other columns
 
     def scale(self, kind: str) -> float:
         """Factor of a column: to SI units where it names a unit."""
@@ -110,22 +96,11 @@ def known_columns(
 ) -> Columns:
     """Which column holds what, and in which unit.
 
-    Parameters
-    ----------
-    path, line
-        For messages, with the line of the names, 0 where there is none.
-    names : sequence of str
-        Names of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm".
-    told, units : mapping
-        Names of columns by quantity, for those that are stated, and units by name of column
-        where a file has them apart.
-    bodies : bool
-        Whether y, quantities inside the bodies and noise are known, besides those of `ALIASES`.
-
-    Raises
-    ------
-    DataFileError
-        If a stated column is absent, two contain the same quantity, or a unit is not known.
+    Names are those of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm";
+    some may be told by quantity, and units by name where a file has them apart.  With `bodies` y,
+    quantities inside the bodies and noise are known, besides those of `ALIASES`.  Path and the line
+    of the names, 0 where there is none, are for messages: DataFileError if a stated column is
+    absent, two contain the same quantity, or a unit is not known.
     """
     apart = units or {}
     places: dict[str, int] = {}

@@ -26,22 +26,9 @@ def read_records(
 ) -> list[Records]:
     """Read the records in files of other codes, one `Records` for each run.
 
-    Parameters
-    ----------
-    paths : sequence of path
-        Files that hold one station each, and those of a folder, are one run; any other is a run of
-        its own.
-    options : ReadingOptions, optional
-
-    Returns
-    -------
-    list of Records
-        In the order of the paths, values in units of the files.
-
-    Raises
-    ------
-    DataFileError
-        If one cannot be read; the message names the file, and the line where it has any.
+    Files that hold one station each, and those of a folder, are one run; any other is a run of its
+    own.  Runs are in the order of the paths, values in units of the files.  If one cannot be read,
+    a DataFileError names the file, and the line where it has any.
     """
     options = options or ReadingOptions()
     files = [Path(path) for path in paths]

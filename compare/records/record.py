@@ -6,10 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array, Mask
 
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is
@@ -20,33 +17,20 @@ BEFORE, AFTER = "before", "after"
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Time series recorded at one point of the interface.
+    """Time series recorded at one point of the interface."""
 
-    Attributes
-    ----------
-    x : float
-        Position along the contact [length], 0 at its edge.
-    t : (n,) array
-        Times [time], increasing.
-    values : mapping of names among `QUANTITIES` to (n,) arrays
-        NaN where nothing was recorded; in units of the file until `validate` has scaled them.
-        Inside the bodies the names are those of `semianalytic.inversion.gauges.FIELDS`.
-    y : float or None
-        Distance above the interface [length] of a point inside the bodies.
-    noise : mapping from names to (n,) arrays
-        Standard deviations, where columns give them.
-    name : str
-        Name of the gauge, where it has one.
-    """
-
-    x: float
-    t: Array
+    x: float  # position along the contact [length], 0 at its edge
+    t: Array  # (n,) array: times [time], increasing
+    # mapping of names among `QUANTITIES` to (n,) arrays: NaN where nothing was recorded; in units
+    # of the file until `validate` has scaled them. Inside the bodies the names are those of
+    # `semianalytic.inversion.gauges.FIELDS`.
     values: Mapping[str, Array]
-    y: float | None = None
+    y: float | None = None  # distance above the interface [length] of a point inside the bodies
+    # mapping from names to (n,) arrays: standard deviations, where columns give them
     noise: Mapping[str, Array] = field(default_factory=dict)
-    name: str = ""
+    name: str = ""  # name of the gauge, where it has one
 
-    def taken(self, samples: slice | NDArray[np.bool_]) -> Record:
+    def taken(self, samples: slice | Mask) -> Record:
         """Return position, times and values of some samples."""
         values = {name: value[samples] for name, value in self.values.items()}
         return Record(self.x, self.t[samples], values)
@@ -54,42 +38,25 @@ class Record:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit that a file names.
+    """A unit that a file names."""
 
-    Attributes
-    ----------
-    name : str
-        As the file has it.
-    size : float
-        In that of the SI.
-    """
-
-    name: str
-    size: float
+    name: str  # as the file has it
+    size: float  # in that of the SI
 
 
 @dataclass(frozen=True)
 class Stated:
-    """Units and conventions that a file itself names, which nothing may overrule.
+    """Units and conventions that a file itself names, which nothing may overrule."""
 
-    Attributes
-    ----------
-    units : mapping from "x", "t" and `QUANTITIES` to Unit
-        Units of the columns that name one.  Their numbers in `Records` are converted to SI units.
-    faces : frozenset of str
-        Quantities that are the motion of one face alone.
-    changes : frozenset of str
-        Tractions that are changes since t = 0, by the name of their column.
-    mean : str
-        `BEFORE` or `AFTER` where slip rates are means over a step; "" where nothing is said.
-    step : float or None
-        The duration of that step [time, in the unit of t]; None for the distance of samples.
-    """
-
+    # mapping from "x", "t" and `QUANTITIES` to Unit: units of the columns that name one. Their
+    # numbers in `Records` are converted to SI units.
     units: Mapping[str, Unit] = field(default_factory=dict)
-    faces: frozenset[str] = frozenset()
+    faces: frozenset[str] = frozenset()  # quantities that are the motion of one face alone
+    # tractions that are changes since t = 0, by the name of their column
     changes: frozenset[str] = frozenset()
+    # `BEFORE` or `AFTER` where slip rates are means over a step; "" where nothing is said
     mean: str = ""
+    # the duration of that step [time, in the unit of t]; None for the distance of samples
     step: float | None = None
 
     def size(self, name: str) -> float:
@@ -99,37 +66,21 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """All records of one code on one grid.
+    """All records of one code on one grid."""
 
-    Attributes
-    ----------
-    stations : tuple of Record
-        By position.
-    arrivals : pair of (k,) arrays or None
-        Positions [length] and the times [time] at which slip began there, infinite where it never
-        did: a file of rupture times.
-    source : str
-        The file or files.
-    notes : tuple of str
-        Corrections made in reading, a sentence each.
-    spacing : float or None
-        Between the points of that code's grid [length, in the unit of x], where its file says so.
-    stated : Stated
-        Units and conventions that the file itself names.
-    points : tuple of Record
-        Records of points inside the bodies, which only `slipfront fit` takes.
-    unread : tuple of str
-        Names of the columns, arrays or fields of which nothing is known.
-    """
-
-    stations: tuple[Record, ...]
+    stations: tuple[Record, ...]  # by position
+    # pair of (k,) arrays or None: positions [length] and the times [time] at which slip began
+    # there, infinite where it never did: a file of rupture times
     arrivals: tuple[Array, Array] | None = None
-    source: str = ""
-    notes: tuple[str, ...] = field(default=())
+    source: str = ""  # the file or files
+    notes: tuple[str, ...] = field(default=())  # corrections made in reading, a sentence each
+    # between the points of that code's grid [length, in the unit of x], where its file says so
     spacing: float | None = None
+    # units and conventions that the file itself names
     stated: Stated = field(default_factory=Stated)
+    # records of points inside the bodies, which only `slipfront fit` takes
     points: tuple[Record, ...] = ()
-    unread: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()  # names of the columns, arrays or fields of which nothing is known
 
 
 class Placed(NamedTuple):
@@ -142,23 +93,14 @@ class Placed(NamedTuple):
 
 @dataclass(frozen=True)
 class ReadingOptions:
-    """Information that the user gives about files of other codes.
+    """Information that the user gives about files of other codes."""
 
-    Attributes
-    ----------
-    at : tuple of float
-        Positions of files that hold one station each, in their order [unit of the file].
-    origin : float
-        Where the edge of the contact lies in the coordinates of the file.
-    columns : mapping
-        Name of a column, array or field by what it holds: "t", "x", one of `QUANTITIES`,
-        or "velocity_upper", "velocity_lower", "displacement_upper", "displacement_lower"; for
-        meshes "velocity" and "displacement".
-    gauges : mapping
-        Quantity and place of each column in a table with one column for each gauge, by name.
-    """
-
+    # positions of files that hold one station each, in their order [unit of the file]
     at: tuple[float, ...] = ()
-    origin: float = 0.0
+    origin: float = 0.0  # where the edge of the contact lies in the coordinates of the file
+    # name of a column, array or field by what it holds: "t", "x", one of `QUANTITIES`, or
+    # "velocity_upper", "velocity_lower", "displacement_upper", "displacement_lower"; for meshes
+    # "velocity" and "displacement"
     columns: Mapping[str, str] = field(default_factory=dict)
+    # quantity and place of each column in a table with one column for each gauge, by name
     gauges: Mapping[str, Placed] = field(default_factory=dict)

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from compare.records.names import FACES, NOISE, Columns
-from compare.records.record import QUANTITIES, Array, Record, Stated
+from compare.records.record import QUANTITIES, Record, Stated
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import LARGEST_STATIONS
 

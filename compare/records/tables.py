@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.records.names import NOISE, Columns, dimensions_of, known_columns, no_columns, unit_of
-from compare.records.record import AFTER, Array, ReadingOptions, Record, Records, Stated, Unit
+from compare.records.record import AFTER, ReadingOptions, Record, Records, Stated, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
+from semianalytic.arrays import Array, Mask
 from semianalytic.inversion.gauges import FIELDS
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.columns import split_heading
@@ -176,13 +176,13 @@ def _noise(columns: Mapping[str, Array], known: Columns, names: Iterable[str]) -
     return result
 
 
-def _any_finite(values: Mapping[str, Array], count: int) -> NDArray[np.bool_]:
+def _any_finite(values: Mapping[str, Array], count: int) -> Mask:
     """Rows in which one quantity at least has a number."""
     known = [np.isfinite(value) for name, value in values.items() if not name.startswith(NOISE)]
     return np.any([np.zeros(count, dtype=bool), *known], axis=0)
 
 
-def _rows_of(values: Mapping[str, Array], here: NDArray[np.bool_]) -> dict[str, Array]:
+def _rows_of(values: Mapping[str, Array], here: Mask) -> dict[str, Array]:
     return {name: value[here] for name, value in values.items()}
 
 
@@ -319,7 +319,7 @@ def _rupture_times(table: NamedColumns, options: ReadingOptions) -> Records:
     return Records((), (x, np.where(never, np.inf, times)), str(table.path), tuple(notes))
 
 
-def _never(x: Array, times: Array) -> NDArray[np.bool_]:
+def _never(x: Array, times: Array) -> Mask:
     """Which times of rupture say that there was none, whatever the code writes for that."""
     never = ~(times >= 0) | (times > NEVER)
     last = np.max(times[~never], initial=0.0)

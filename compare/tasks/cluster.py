@@ -20,10 +20,8 @@ PATIENCE = 5.0
 def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
     """Connect to the scheduler at an address (tcp://host:8786); yield None without an address.
 
-    Raises
-    ------
-    SceneError, ComputationError, MissingLibraryError
-        If the address is invalid, no scheduler answers there, or Dask is not installed.
+    SceneError if the address is invalid, ComputationError if no scheduler answers there, and
+    MissingLibraryError if Dask is not installed.
     """
     if address is None:
         yield None

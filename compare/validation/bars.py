@@ -13,8 +13,6 @@ from compare.validation.exact import Exact
 from compare.validation.grids import Grids, changes, grid_bar, spacing_bar, unseen_part
 from compare.validation.norms import station_size, weights
 
-TELLING = 0.5
-"""A bar wider than this part of the compared value is too wide for a verdict."""
 ALARM = 1.5
 """Number of bars beyond which a difference counts."""
 MEAN_NOISE = math.sqrt(2 / math.pi)
@@ -28,23 +26,12 @@ class Bar:
     """How far a record may be off, in the unit of a difference.
 
     The parts are bounds and not standard deviations, so that they are added up.
-
-    Attributes
-    ----------
-    grid : float or None
-        By the grid of the code; None where nothing is said of it.
-    data : float
-        By the noise of the data.
-    answer : float
-        By the error of the answer.
-    order : float or None
-        That several grids show.
     """
 
-    grid: float | None
-    data: float = 0.0
-    answer: float = 0.0
-    order: float | None = None
+    grid: float | None  # by the grid of the code; None where nothing is said of it
+    data: float = 0.0  # by the noise of the data
+    answer: float = 0.0  # by the error of the answer
+    order: float | None = None  # that several grids show
 
     @property
     def whole(self) -> float | None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from compare.records.record import QUANTITIES, Stated
-from semianalytic.scene.checks import among, checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.tables.units import DIMENSIONS
 
@@ -74,11 +74,8 @@ class Conventions:
 
     def __post_init__(self) -> None:
         for name, words in WORDS.items():
-            value = getattr(self, name)
-            if value is not None and not among(value, words):
-                raise SceneError(
-                    f"validate: {name} must be one of {', '.join(words)}, got {shown(value)}."
-                )
+            if (value := getattr(self, name)) is not None:
+                checked_word(f"validate: {name}", value, words)
         for what, named in (("scale", self.scale), ("noise", self.noise)):
             if not isinstance(named, Mapping):
                 raise SceneError(f"validate: {what} must be a mapping, got {shown(named)}.")

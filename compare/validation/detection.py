@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.record import AFTER, BEFORE, QUANTITIES, Array, Records
+from compare.records.record import AFTER, BEFORE, QUANTITIES, Records
 from compare.validation.conventions import WORDS, Conventions
 from compare.validation.exact import (
     POINT,
@@ -35,6 +35,7 @@ from compare.validation.readings import (
     turn_words,
 )
 from semianalytic import Scene
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 LITTLE = 0.25
@@ -59,27 +60,16 @@ LOOKED_AT, SAMPLES = 6, 300
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """The exact answer, how a run is to be read, and what has to be said of that.
-
-    Attributes
-    ----------
-    exact : Exact
-    reading : Conversion
-    stating : mapping from str to str
-        Conventions that neither the file nor the caller states, as `Conventions` takes them; none
-        if all is as given.
-    inferred : tuple of str
-        The same in words.
-    left, as_given : float
-        Largest relative error of a quantity that the reading leaves, and the one as given; nan
-        where nothing was weighed.
-    notes : tuple of str
-    """
+    """The exact answer, how a run is to be read, and what has to be said of that."""
 
     exact: Exact
     reading: Conversion
+    # conventions that neither the file nor the caller states, as `Conventions` takes them; none if
+    # all is as given
     stating: Mapping[str, str] = field(default_factory=dict)
-    inferred: tuple[str, ...] = ()
+    inferred: tuple[str, ...] = ()  # the same in words
+    # largest relative error of a quantity that the reading leaves, and the one as given; nan where
+    # nothing was weighed
     left: float = np.nan
     as_given: float = np.nan
     notes: tuple[str, ...] = ()
@@ -126,22 +116,15 @@ def _reach(run: Records, scene: Scene, end: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class WeighedColumn:
-    """One quantity at all stations that waves reach, in order.
+    """One quantity at all stations that waves reach, in order."""
 
-    Attributes
-    ----------
-    values, weight, expected, base : ndarray, shape (n,)
-        Numbers of the file, zero in gaps; weights of samples, zero in gaps; exact values, and
-        what they are before any wave.
-    unit : float
-        That of the quantity, as in `Exact.unit`.
-    """
-
+    # (n,) arrays: numbers of the file, zero in gaps; weights of samples, zero in gaps; exact
+    # values, and what they are before any wave
     values: Array
     weight: Array
     expected: Array
     base: Array
-    unit: float
+    unit: float  # that of the quantity, as in `Exact.unit`
 
     def tells(self, based: bool = False) -> bool:
         """Whether the answer has something to say of the quantity, or besides its base."""

@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Scene, solve
+from semianalytic.arrays import Array, Mask
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer, method_of
-
-Array = NDArray[np.float64]
 
 POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""
@@ -27,18 +26,11 @@ MARCH_NODES = 800
 
 @dataclass(frozen=True)
 class Sampling:
-    """Meaning of a recorded slip rate: a value at its time, or a mean over a step.
+    """Meaning of a recorded slip rate: a value at its time, or a mean over a step."""
 
-    Attributes
-    ----------
-    kind : str
-        `POINT`, or `BEFORE` or `AFTER`: the mean over a step before or after its time.
-    step : float or None
-        That step [time]; None for the distance of samples.
-    """
-
+    # `POINT`, or `BEFORE` or `AFTER`: the mean over a step before or after its time
     kind: str = POINT
-    step: float | None = None
+    step: float | None = None  # that step [time]; None for the distance of samples
 
 
 AT_TIME = Sampling()
@@ -46,19 +38,11 @@ AT_TIME = Sampling()
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """An answer until the end of the records.
-
-    Attributes
-    ----------
-    scene : Scene
-    answer : Answer
-    end_time : float
-        T, that of the last record [time].
-    """
+    """An answer until the end of the records."""
 
     scene: Scene
     answer: Answer
-    end_time: float
+    end_time: float  # T, that of the last record [time]
     _known: dict[tuple[str, float, bytes, Sampling], Array] = field(
         default_factory=dict, init=False
     )
@@ -125,7 +109,7 @@ def farthest(scene: Scene, end_time: float) -> float:
     return max(body.longitudinal_speed for body in scene.bodies) * end_time
 
 
-def compared(scene: Scene, x: ArrayLike, end_time: float) -> NDArray[np.bool_]:
+def compared(scene: Scene, x: ArrayLike, end_time: float) -> Mask:
     """Return which positions (n,) lie on the contact, where waves come until an end time."""
     x = np.asarray(x, dtype=float)
     return scene.contact.touches(x) & (np.abs(x) <= farthest(scene, end_time))

@@ -7,15 +7,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.bars import observed_order
 from compare.records.record import Record, Records
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import station_size, weights
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 SMEAR: dict[str, float] = {
     "slip_rate": 1.0,
@@ -58,25 +56,13 @@ SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Grids:
-    """Runs of one code, finest first, read in units of the scene.
-
-    Attributes
-    ----------
-    runs : tuple of Records
-    spacing : float or None
-        Spacing of the finest run [length].
-    ratio : float
-        Ratio of the spacings of two successive runs.
-    sampling : Sampling
-        Meaning of a slip rate.
-    noise : mapping from str to float
-        Standard deviation of the errors of samples, in units of the scene.
-    """
+    """Runs of one code, finest first, read in units of the scene."""
 
     runs: tuple[Records, ...]
-    spacing: float | None
-    ratio: float
-    sampling: Sampling = AT_TIME
+    spacing: float | None  # spacing of the finest run [length]
+    ratio: float  # ratio of the spacings of two successive runs
+    sampling: Sampling = AT_TIME  # meaning of a slip rate
+    # standard deviation of the errors of samples, in units of the scene
     noise: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -137,11 +123,8 @@ def profile_spacing(run: Records) -> float | None:
     return middle if middle > 0 and even.mean() > 0.9 else None
 
 
-def smear(grids: Grids, record: Record, name: str, exact: Exact) -> float | None:
-    """Return the relative L1 error that a shift by one cell may cause; None without a spacing."""
-    if grids.spacing is None:
-        return None
-    band = grids.spacing
+def smear(grids: Grids, band: float, record: Record, name: str, exact: Exact) -> float:
+    """Return the relative L1 error that a shift by one cell, a band [length], may cause."""
     if name == "slip_rate" and len(record.t) > 1:
         step = float(np.median(np.diff(record.t)))
         band = max(band, 0.5 * step * exact.scene.material.shear_speed)
@@ -161,7 +144,7 @@ def spacing_bar(
     """
     if grids.spacing is None:
         return None
-    part = SMEAR[name] * (smear(grids, record, name, exact) or 0.0)
+    part = SMEAR[name] * smear(grids, grids.spacing, record, name, exact)
     if name == "slip":
         part += BRIEF * brief_part(grids.spacing, record, name, exact)
     cells = grids.spacing / (exact.scene.material.shear_speed * exact.end_time)
@@ -205,7 +188,7 @@ def unseen_part(grids: Grids, record: Record, name: str, exact: Exact) -> float:
     """
     if grids.spacing is None:
         return 0.0
-    part = FLOOR * (smear(grids, record, name, exact) or 0.0)
+    part = FLOOR * smear(grids, grids.spacing, record, name, exact)
     if name in ("slip", "slip_rate"):
         part = max(part, BRIEF * brief_part(grids.spacing, record, name, exact, UNSEEN))
     return part

@@ -5,37 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.measures import NOTHING
 from compare.records.record import Record
 from compare.validation.exact import AT_TIME, Exact, Sampling
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 
 @dataclass(frozen=True)
 class Norm:
-    """Errors of one quantity at one station, or of all together, over the time recorded.
-
-    Attributes
-    ----------
-    quantity : str
-    x : float or None
-        Position of the station [length]; None for all together.
-    exact : float
-        Mean of the exact |quantity|, in its unit.
-    simulated : float
-        The same of what was recorded.
-    L1, L2 : float
-        Norm of the difference over that of the exact record; over its unit where that is 0.
-    samples : int
-    """
+    """Errors of one quantity at one station, or of all together, over the time recorded."""
 
     quantity: str
-    x: float | None
-    exact: float
-    simulated: float
+    x: float | None  # position of the station [length]; None for all together
+    exact: float  # mean of the exact |quantity|, in its unit
+    simulated: float  # the same of what was recorded
+    # norm of the difference over that of the exact record; over its unit where that is 0
     L1: float
     L2: float
     samples: int

@@ -8,10 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from compare.records.record import Array, Record, Records, Stated
+from compare.records.record import Record, Records, Stated
 from compare.validation.conventions import Conventions
 from compare.validation.exact import AT_TIME, Sampling
 from semianalytic import Scene
+from semianalytic.arrays import Array
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.loads import InterfaceLoad
 from semianalytic.scene.loading import Tractions
@@ -29,24 +30,14 @@ TURNS: Mapping[str, tuple[tuple[str, ...], str]] = {
 
 @dataclass(frozen=True)
 class Conversion:
-    """Numbers of a file in units and conventions of the scene: times a factor, plus an offset.
+    """Numbers of a file in units and conventions of the scene: times a factor, plus an offset."""
 
-    Attributes
-    ----------
-    factors : mapping from str to float
-        By quantity, "x" and "t"; 1 unless given.
-    bases : mapping from str to callable
-        What is added to changes of tractions, as a function of x, by quantity.
-    shift : float
-        What is added to times.
-    sampling : Sampling
-        Meaning of a slip rate.
-    """
-
+    # by quantity, "x" and "t"; 1 unless given
     factors: Mapping[str, float] = field(default_factory=dict)
+    # what is added to changes of tractions, as a function of x, by quantity
     bases: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
-    shift: float = 0.0
-    sampling: Sampling = AT_TIME
+    shift: float = 0.0  # what is added to times
+    sampling: Sampling = AT_TIME  # meaning of a slip rate
 
     def factor(self, name: str) -> float:
         """The factor that a column is multiplied by."""

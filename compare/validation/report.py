@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
@@ -16,7 +15,7 @@ FORMAT = "slipfront validation 1"
 
 
 def validation_document(validation: Validation, label: str) -> dict[str, Any]:
-    """A validation as plain dictionaries, lists, strings and finite numbers, for JSON.
+    """A validation as plain dictionaries, lists, strings and numbers, for `json_text`.
 
     `label` names the scene.  Values of rows and norms are in what units/rows says; spacing and T
     are in units of the scene.
@@ -36,8 +35,8 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
             "factors": dict(detection.reading.factors),
             "time_shift": detection.reading.shift,
             "with_base": list(detection.reading.bases),
-            "left": _finite(detection.left),
-            "as_given": _finite(detection.as_given),
+            "left": detection.left,
+            "as_given": detection.as_given,
         },
         "notes": list(validation.notes),
         "unread": list(validation.unread),
@@ -56,7 +55,3 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
     document["units"] = units_document(document, dimensions, scene)
     document["units"]["rows"] = row_units(scene, exact.end_time)
     return document
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -10,19 +10,17 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.judging import BY_LITTLE
-from compare.comparison.measures import NOTHING, nearest, onset_time
-from compare.comparison.rows import UNRESOLVED
+from compare.comparison.measures import NOTHING, first_above, nearest
+from compare.comparison.rows import TELLING, UNRESOLVED
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
-from compare.validation.bars import ALARM, SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
+from compare.validation.bars import ALARM, SCATTER, Bar, JudgedRow, pooled_bar, station_bar
 from compare.validation.exact import Exact, compared
 from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array, Mask
 
 PLACES = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Positions over c_t T.  If a run has more stations, only those nearest to these have own rows."""
@@ -214,12 +212,12 @@ class Onset:
         self.x, self.threshold, self.end_time = x, threshold, exact.end_time
         self.t = np.linspace(0.0, exact.end_time, TIMES + 1)[1:]
         self.rate = exact.record("slip_rate", x, self.t)
-        self.time = onset_time(self.t, self.rate, threshold)
+        self.time = first_above(self.t, np.abs(self.rate), threshold)
 
     def reach(self, width: float) -> float:
         """How far it may be off [time] for a grid that smears it over a time."""
         return self._farthest(
-            onset_time(self.t, self._smoothed(cells * width), factor * self.threshold)
+            first_above(self.t, self._smoothed(cells * width), factor * self.threshold)
             for cells in (0.0, *SMOOTHED)
             for factor in (0.5, 1.0, 2.0)
         )
@@ -227,7 +225,8 @@ class Onset:
     def jitter(self, noise: float) -> float:
         """How far noise of a standard deviation [length / time] may move it [time]."""
         levels = (self.threshold - SCATTER * noise, self.threshold + SCATTER * noise)
-        return self._farthest(onset_time(self.t, self.rate, level) for level in levels if noise)
+        size = np.abs(self.rate)
+        return self._farthest(first_above(self.t, size, level) for level in levels if noise)
 
     def _farthest(self, times: Iterable[float | None]) -> float:
         ends = (2 * self.end_time if time is None else time for time in times)
@@ -235,9 +234,8 @@ class Onset:
 
     def _smoothed(self, width: float) -> Array:
         samples = round(width / float(self.t[1] - self.t[0]))
-        return np.asarray(
-            scipy.ndimage.uniform_filter1d(self.rate, max(samples, 1), mode="nearest")
-        )
+        mean = scipy.ndimage.uniform_filter1d(self.rate, max(samples, 1), mode="nearest")
+        return np.abs(mean)
 
 
 def _arrivals(run: Records, threshold: float) -> dict[float, float | None]:
@@ -251,7 +249,7 @@ def _arrivals(run: Records, threshold: float) -> dict[float, float | None]:
         if rate is None or len(rate) < FEW or not np.isfinite(rate).all():
             continue
         if abs(rate[0]) <= threshold:
-            onsets[record.x] = onset_time(record.t, rate, threshold)
+            onsets[record.x] = first_above(record.t, np.abs(rate), threshold)
     return onsets
 
 
@@ -264,8 +262,8 @@ def _between_samples(run: Records, exact: Exact, onset: Onset, time: float) -> f
     for record in run.stations:
         if record.x == onset.x and "slip_rate" in record.values:
             after = int(np.clip(np.searchsorted(record.t, time), 1, len(record.t) - 1))
-            rate = exact.record("slip_rate", record.x, record.t)
-            sampled = onset_time(record.t, rate, onset.threshold)
+            rate = np.abs(exact.record("slip_rate", record.x, record.t))
+            sampled = first_above(record.t, rate, onset.threshold)
             late = exact.end_time if sampled is None else abs(sampled - (onset.time or 0.0))
             interval = float(record.t[after] - record.t[after - 1])
             # later than one interval: slip passed between two samples; else the interval is all
@@ -330,7 +328,7 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
     yield bar.row(name, kind, 1.0, seen, seen - 1, unit="exact", relative=True, obstacle=obstacle)
 
 
-def _slides(exact: Exact, record: Record, band: float) -> NDArray[np.bool_]:
+def _slides(exact: Exact, record: Record, band: float) -> Mask:
     """Return where the exact contact slides at a record, even if a grid smeared the slip rate."""
     rate = np.abs(exact.record("slip_rate", record.x, record.t))
     traction = np.abs(exact.record("shear_traction", record.x, record.t))

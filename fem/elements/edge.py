@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Space
+from semianalytic.arrays import Array
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
@@ -81,7 +82,7 @@ def _static_modulus(material: Material, held: int) -> float:
 
 def surface_stiffness(
     material: Material,
-    angles: NDArray[np.float64],
+    angles: Array,
     components: tuple[int, ...] = IN_PLANE,
 ) -> NDArray[np.complex128]:
     """Return the static surface stiffness of a half-plane of unit squares [stress], (n, m, m).

@@ -21,11 +21,10 @@ from fem.lines.line import Line
 from fem.march import body_matrix, highest_of_patch
 from fem.stepping import MarchedBody, critical_step
 from meshes.blocks import causal_margin
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
-
-Array = NDArray[np.float64]
 
 MARGIN = 8
 """Rows of nodes beyond those that the first wave passes twice until the end."""
@@ -51,37 +50,20 @@ SIDES: Mapping[str, tuple[bool, bool, bool]] = {
 
 @dataclass(frozen=True)
 class LineBlock:
-    """One block of squares, before it is assembled.
-
-    Attributes
-    ----------
-    material : Material
-    columns, rows : int
-        Columns of nodes, and rows of squares.
-    size : float
-        Side of the squares [length].
-    damping_time : float
-        eta of the damping C = eta K [time].
-    components : tuple of int
-        Displacement components.
-    sides : mapping
-        Kind, of `SIDES`, of the sides "far", "left" and "right"; without the last two the block is
-        periodic.
-    first : int
-        Column of the first node of the joint.
-    load : (n,) array, optional
-        Forces on its unknowns [stress length], which follow a history from t = 0 on.
-    history : LoadHistory
-    """
+    """One block of squares, before it is assembled."""
 
     material: Material
+    # columns of nodes, and rows of squares
     columns: int
     rows: int
-    size: float
-    damping_time: float
-    components: tuple[int, ...] = IN_PLANE
+    size: float  # side of the squares [length]
+    damping_time: float  # eta of the damping C = eta K [time]
+    components: tuple[int, ...] = IN_PLANE  # displacement components
+    # kind, of `SIDES`, of the sides "far", "left" and "right"; without the last two the block is
+    # periodic
     sides: Mapping[str, str] = field(default_factory=lambda: {"far": "absorbing"})
-    first: int = 0
+    first: int = 0  # column of the first node of the joint
+    # (n,) array: forces on its unknowns [stress length], which follow a history from t = 0 on
     load: Array | None = None
     history: LoadHistory = field(default_factory=Step)
 

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.lines.blocks import LineBlock
 from fem.march import March
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

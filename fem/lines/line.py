@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array, Mask
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.material import Material
 
-Array = NDArray[np.float64]
 Tractions = Callable[..., tuple[Array, Array]]
 """Function of a time that returns the traction of the uncut line and that of slot faces, (n,) each;
 with ``after=True`` their values after a jump at that time."""
@@ -54,7 +53,7 @@ class Line:
     lower: Material
     length: float
     x: Array
-    touching: NDArray[np.bool_]
+    touching: Mask
     friction: Law
     state: Array
     shear: Tractions
@@ -73,7 +72,7 @@ class Line:
         return contact, self.spacing - contact
 
     @property
-    def slots(self) -> NDArray[np.bool_]:
+    def slots(self) -> Mask:
         """Whether some of a node's length is slot, (n,)."""
         return self.lengths[1] > 0
 

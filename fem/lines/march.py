@@ -18,10 +18,10 @@ from fem.lines.blocks import LineBlock, check_work, make_blocks
 from fem.lines.gauges import GaugeHistory, Gauges
 from fem.lines.line import Line, Tractions
 from fem.march import March, SidePush, face_pair, half_window
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.checks import checked_count, checked_size
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 SAMPLES = 20
@@ -66,7 +66,7 @@ class LineSimulation:
     """
 
     x: Array
-    touching: NDArray[np.bool_]
+    touching: Mask
     t: Array
     slip: Array
     slip_rate: Array

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from fem.elements.assembly import IN_PLANE, STIFFNESS, X, Y
@@ -20,7 +19,15 @@ from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
-from semianalytic.scene.checks import check_fields, check_keys, checked_size, finite, shown
+from semianalytic.arrays import Array
+from semianalytic.scene.checks import (
+    check_fields,
+    check_keys,
+    checked_size,
+    checked_word,
+    finite,
+    shown,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.law import Law
@@ -30,8 +37,6 @@ from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 WHOLE = 1e-6
 """Part of a square by which ends of blocks may miss the grid."""
@@ -90,9 +95,7 @@ class Block:
                 f"block: left must be below right, got {self.left:g} and {self.right:g}."
             )
         for name, kind in self.kinds.items():
-            if kind not in SIDES:
-                known = ", ".join(SIDES)
-                raise SceneError(f"block: {name}_side must be one of {known}, got {shown(kind)}.")
+            checked_word(f"block: {name}_side", kind, SIDES)
         for name, traction in (*self.preload.items(), *self.load.items()):
             if name.removesuffix("_side") not in self.kinds or not name.endswith("_side"):
                 raise SceneError(

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import lapack
 
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 ALIKE = 1e-12
 """Part of the stiffness by which a block may differ from its mirror image: its rounding."""
@@ -33,11 +32,7 @@ def condensed(stiffness: sparse.csr_array, force: Array, row: int) -> tuple[Arra
     """Return stiffness (row, row) and forces (row,) of a block on the first row of its unknowns.
 
     Rows have as many unknowns each, from the face to the far side, and are coupled to the next one.
-
-    Raises
-    ------
-    SceneError
-        If a part of the block hangs on nothing.
+    A part of the block that hangs on nothing raises SceneError.
     """
     # What is even and what is odd about the middle of a block is apart: a quarter of the work.
     places = np.arange(row).reshape(-1, 2)[::-1].ravel()
@@ -84,19 +79,10 @@ def contact_forces(
 ) -> tuple[Array, Array]:
     """Return normal and shear forces of pairs in equilibrium, (n,) [stress length].
 
-    Parameters
-    ----------
-    faces : list of (stiffness, force)
-        Of upper and lower block, condensed; a lower one is described by its mirror image.
-    pairs : list of (n,) arrays
-        Columns of the nodes that touch, on each face.
-    friction : (n,) array
-        Shear force over normal force that is carried at most.
-
-    Raises
-    ------
-    SceneError
-        If there is no equilibrium, or none is found.
+    Faces are stiffness and force of upper and lower block, condensed, a lower one described by its
+    mirror image; pairs are the columns (n,) of the nodes that touch on each, and friction (n,) is
+    the shear force over normal force that is carried at most.  SceneError is raised if there is no
+    equilibrium, or none is found.
     """
     count, sizes = len(friction), [len(force) for _, force in faces]
     total, n = sum(sizes), np.arange(count)

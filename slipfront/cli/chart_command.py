@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -15,36 +16,35 @@ from compare.output.progress import progress_bar
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from slipfront.cli.options import AsJson, FiguresForm, Quiet, asked, in_seconds, measured_option
+from slipfront.cli import options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json
 
+_OPTIONS: Mapping[str, Any] = {
+    "scenes": typer.Argument(
+        metavar="[SCENE...]",
+        help=f"Names of scenes, or TOML files; {DEFAULT_SCENE} unless given.",
+        autocompletion=scene_names,
+    ),
+    "end_time": options.measured_option(
+        "time", "Time of the comparison [time]; 1 / c_t by default."
+    ),
+    "output": options.option("Folder to write to, results/chart if not given.", metavar="DIR"),
+    "fresh": options.option("Repeat finished measurements.", flag="--fresh"),
+    "budget": options.option("Time for each scene, such as 30s, 5min or 1h.", metavar="TIME"),
+}
 
+
+@options.with_options(_OPTIONS)
 def chart(
-    scenes: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[SCENE...]",
-            help=f"Names of scenes, or TOML files; {DEFAULT_SCENE} unless given.",
-            autocompletion=scene_names,
-        ),
-    ] = None,
-    end_time: Annotated[
-        float | None,
-        measured_option("time", "Time of the comparison [time]; 1 / c_t by default."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Folder to write to, results/chart if not given."),
-    ] = None,
-    figures: FiguresForm = "png",
-    fresh: Annotated[bool, typer.Option("--fresh", help="Repeat finished measurements.")] = False,
-    budget: Annotated[
-        str,
-        typer.Option(metavar="TIME", help="Time for each scene, such as 30s, 5min or 1h."),
-    ] = "40s",
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    scenes: list[str] | None = None,
+    end_time: float | None = None,
+    output: Path | None = None,
+    figures: options.FiguresForm = "png",
+    fresh: bool = False,
+    budget: str = "40s",
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Chart the error of each method that answers a scene against its computing time.
 
@@ -56,12 +56,12 @@ def chart(
     from compare.chart.methods import find_problem
     from compare.chart.points import measure_all, not_measured
 
-    seconds = in_seconds(budget) or math.inf
+    seconds = options.in_seconds(budget) or math.inf
 
     problems = [find_problem(source) for source in scenes or [DEFAULT_SCENE]]
     if end_time is not None:
         checked_size("--end-time", end_time)
-        ends = [asked(problem.scene, "end_time", end_time, "time") for problem in problems]
+        ends = [options.asked(problem.scene, "end_time", end_time, "time") for problem in problems]
         problems = [find_problem(task.source, at) for task, at in zip(problems, ends, strict=True)]
     directory, notes = output or Path("results", "chart"), Console(stderr=True)
     with working_folder(directory) as files:

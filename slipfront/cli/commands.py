@@ -16,12 +16,11 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
+from semianalytic.scene.checks import checked_word
+from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.plugins import plugin_at_fault
-from slipfront.cli.endings.faults import READER_GONE, crashed, printable
-from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION
+from slipfront.cli.endings.faults import INTERRUPTED, INTERRUPTION, READER_GONE, crashed, printable
 from slipfront.cli.endings.refusals import in_one_sentence, in_options
 from slipfront.cli.endings.unread import unread_said
 
@@ -95,8 +94,7 @@ def slipfront(
     """Where, when, how fast and which way a frictional interface slips after a sudden load."""
     if log is None:
         return
-    if log not in _LEVELS:
-        raise SceneError(f"--log must be one of {', '.join(_LEVELS)}, got {shown(log)}.")
+    checked_word("--log", log, _LEVELS)
     handler = _ToTerminal()
     for name in ("slipfront", "semianalytic", "fem", "meshes", "compare"):
         logger = logging.getLogger(name)

@@ -11,8 +11,14 @@ import signal
 import sys
 from types import FrameType
 
-from slipfront.cli.endings.faults import READER_GONE, crashed, printable
-from slipfront.cli.endings.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
+from slipfront.cli.endings.faults import (
+    INTERRUPTED,
+    INTERRUPTION,
+    READER_GONE,
+    TERMINATED,
+    crashed,
+    printable,
+)
 from slipfront.hidden import hiding
 
 BROKEN_FILE, BROKEN_PACKAGE = 3, 5

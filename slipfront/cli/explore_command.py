@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from rich.console import Console
@@ -14,27 +14,26 @@ from semianalytic.scene.extras import EXPLORE, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.scene.given.named import DEFAULT_SCENE
-from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, with_options
+from slipfront.cli.options import LOWER_OPTIONS, SCENE_OPTIONS, AsJson, option, with_options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.cli.terminal import print_json
 
+_OPTIONS: Mapping[str, Any] = {
+    "scene_name": typer.Argument(
+        metavar="[SCENE]", help="Name of a scene, or a TOML file.", autocompletion=scene_names
+    ),
+    "port": option("Port of the page; 0 for any free port."),
+    "browser": option("Open the page in a browser.", flag="--browser/--no-browser"),
+}
 
-@with_options(overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS)
+
+@with_options(_OPTIONS, overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS)
 def explore_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
-    scene_name: Annotated[
-        str,
-        typer.Argument(
-            metavar="[SCENE]",
-            help="Name of a scene, or a TOML file.",
-            autocompletion=scene_names,
-        ),
-    ] = DEFAULT_SCENE,
-    port: Annotated[int, typer.Option(help="Port of the page; 0 for any free port.")] = 5006,
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
-    ] = True,
+    scene_name: str = DEFAULT_SCENE,
+    port: int = 5006,
+    browser: bool = True,
     as_json: AsJson = False,
 ) -> None:
     """Explore a scene in the browser, where all pictures follow the sliders; Ctrl-C ends it.

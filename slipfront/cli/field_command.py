@@ -17,36 +17,22 @@ from semianalytic import solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import method_of
-from semianalytic.scene.checks import checked_size, shown
+from semianalytic.scene.checks import checked_size, checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import check_slot, find, scene_folder, scene_label
 from semianalytic.scene.units import unit
+from slipfront.cli import options
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.marching import check_marched, shares_of
-from slipfront.cli.options import (
-    LOWER_OPTIONS,
-    MARCH_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    FiguresForm,
-    Method,
-    Output,
-    Quiet,
-    SceneArgument,
-    asked,
-    in_bytes,
-    measured_option,
-    option,
-    option_name,
-    with_options,
-)
 from slipfront.cli.scenes import requests
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
 from slipfront.cli.terminal import print_json
 
-MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
+MARCHED_OPTIONS = {
+    name: options.MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")
+}
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
     "error_estimate": "1",
@@ -58,53 +44,58 @@ _DIMENSIONS: Dimensions = {
 _PICTURE, _FILM, _GRID, _GAUGE = "Picture", "Animation", "Grid for ParaView", "Gauges"
 
 _OPTIONS: Mapping[str, Any] = {
-    "of": option(
+    "of": options.option(
         "Quantity: speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; "
         "in antiplane shear also vz, uz, sxz or syz.",
         _PICTURE,
         complete=one_of(*QUANTITIES),
     ),
-    "time": measured_option("time", "Time of the picture [time]; 1 / c_t by default."),
-    "window": option(
+    "time": options.measured_option("time", "Time of the picture [time]; 1 / c_t by default."),
+    "window": options.option(
         "Part of the plane to show [length]; everything the waves have reached by default.",
         metavar="X0,X1,Y0,Y1",
     ),
-    "points": option("Points along the longer side.", _PICTURE),
-    "thickness": measured_option(
+    "points": options.option("Points along the longer side.", _PICTURE),
+    "thickness": options.measured_option(
         "length", "Thickness of the body along z, for fringes [length].", _PICTURE
     ),
-    "stress_optical": measured_option(
+    "stress_optical": options.measured_option(
         "stress length",
         "Material fringe constant, such as 7.2kN/m, stress times thickness per fringe [stress "
         "length]; by default the larger step makes 4 fringes. Needs --thickness.",
         _PICTURE,
     ),
-    "animate": option("Animate N times from 0 to --time as well.", _FILM, metavar="N"),
-    "form": option(
+    "animate": options.option("Animate N times from 0 to --time as well.", _FILM, metavar="N"),
+    "form": options.option(
         "Format of the animation: gif, which is the default, or mp4.",
         _FILM,
         flag="--format",
         complete=one_of(*FORMATS),
     ),
-    "vtu": option(
+    "vtu": options.option(
         "Write velocity, displacement and stress, at the times of --animate if given.",
         _GRID,
         flag="--vtu",
     ),
-    "grid": option("Cells of the grid; 200,200 by default.", _GRID, metavar="NX,NY"),
-    "gauge": option(
+    "grid": options.option("Cells of the grid; 200,200 by default.", _GRID, metavar="NX,NY"),
+    "gauge": options.option(
         "Record all fields at a point from t = 0 to --time; may be repeated.", _GAUGE, metavar="X,Y"
     ),
-    "samples": option("Number of times of a record; 1000 by default.", _GAUGE),
+    "samples": options.option("Number of times of a record; 1000 by default.", _GAUGE),
 }
 
 
-@with_options(_OPTIONS, overrides=SCENE_OPTIONS, lower=LOWER_OPTIONS, march_options=MARCHED_OPTIONS)
+@options.with_options(
+    _OPTIONS,
+    overrides=options.SCENE_OPTIONS,
+    lower=options.LOWER_OPTIONS,
+    march_options=MARCHED_OPTIONS,
+)
 def field_command(
     overrides: Mapping[str, Any],
     lower: Mapping[str, Any],
     march_options: Mapping[str, Any],
-    scene_name: SceneArgument,
+    scene_name: options.SceneArgument,
     of: str = "speed",
     time: float | None = None,
     window: str | None = None,
@@ -117,11 +108,11 @@ def field_command(
     grid: str | None = None,
     gauge: list[str] | None = None,
     samples: int | None = None,
-    method: Method = "auto",
-    output: Output = None,
-    figures: FiguresForm = "png",
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    method: options.Method = "auto",
+    output: options.Output = None,
+    figures: options.FiguresForm = "png",
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Draw fields inside the bodies with all fronts named; animate, export or record them.
 
@@ -147,15 +138,15 @@ def field_command(
     if not marched:
         check_slot(label, scene)
         check_no_march_options(march_options, scene)
-    time = asked(scene, "time", time, "time")
-    thickness = asked(scene, "thickness", thickness, "length")
-    stress_optical = asked(scene, "stress_optical", stress_optical, "stress length")
+    time = options.asked(scene, "time", time, "time")
+    thickness = options.asked(scene, "thickness", thickness, "length")
+    stress_optical = options.asked(scene, "stress_optical", stress_optical, "stress length")
     step = requests.fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
         raise SceneError("--grid needs --vtu; give both.")
-    if form is not None and form not in FORMATS:
-        raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
+    if form is not None:
+        checked_word("--format", form, FORMATS)
     usual = scene.run.get("end_time", 1 / scene.material.shear_speed)
     time = usual if time is None else checked_size("field: time", time)
     asked_window = None if window is None else requests.window_of(scene, window)
@@ -182,7 +173,7 @@ def field_command(
             with bar("marching") as progress:
                 settings = {**march_options, "end_time": time}
                 if "memory" in settings:
-                    settings["memory"] = in_bytes(settings["memory"])
+                    settings["memory"] = options.in_bytes(settings["memory"])
                 settings["progress"] = shares_of(progress)
                 answer: Any = solve(scene, method="space-time", **settings)
         else:
@@ -202,7 +193,7 @@ def field_command(
                 write_frames(directory, answer, times, shown_window, cells, progress)
         for number, (x, y) in enumerate(gauges, start=1):
             record, path = record_fields(answer, x, y, t), directory / f"{label}_gauge-{number}.csv"
-            words = [scene_name, *(f"{option_name(k)}={v}" for k, v in given.items())]
+            words = [scene_name, *(f"{options.option_name(k)}={v}" for k, v in given.items())]
             words += [f"--gauge={x!r},{y!r}", f"--time={time!r}", f"--samples={len(t)}"]
             write_record(path, record, scene.units, shlex.join(["slipfront", "field", *words]))
             save_figure(record_figure(record, scene), path.with_suffix(f".{figures}"))

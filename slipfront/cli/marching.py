@@ -17,7 +17,7 @@ from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.extras import HDF5, XARRAY, require
 from slipfront.cli import terminal
-from slipfront.cli.endings.interruption import INTERRUPTED
+from slipfront.cli.endings.faults import INTERRUPTED
 from slipfront.cli.endings.refusals import in_options, without_effect
 from slipfront.cli.options import MARCH_OPTIONS, in_bytes
 from slipfront.cli.scenes.points import AskedPoints, show_answer

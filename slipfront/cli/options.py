@@ -15,7 +15,7 @@ import typer
 from rich.markup import escape
 
 from semianalytic.results.memory import GIGABYTE
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import in_units_of
 from semianalytic.scene.tables.units import si_size
@@ -24,61 +24,6 @@ from slipfront.cli.scenes.completion import LOADED, MESH_NAMES, METHODS, MODES, 
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time on the command line, in seconds."""
-
-SceneArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="SCENE", help="Name of a scene, or a TOML file.", autocompletion=scene_names
-    ),
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results without progress.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
-Budget = Annotated[
-    str | None,
-    typer.Option(
-        metavar="TIME",
-        help="Time for the simulation, such as 60s, 5min or 1h, which decides the mesh; about that "
-        "of a resolution of 100 by default.",
-        rich_help_panel="Finite elements",
-    ),
-]
-NoCompanions = Annotated[
-    bool,
-    typer.Option("--no-companions", help="Skip the runs on coarser meshes, which give error bars."),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="DIR",
-        help="Folder to write to; by default results/SCENE, such as results/SCENE-friction-0.2.",
-    ),
-]
-FORMS = ("png", "pdf", "svg")
-
-
-def _known_form(form: str) -> str:
-    if form not in FORMS:
-        raise SceneError(f"--figures must be one of {', '.join(FORMS)}, got {shown(form)}.")
-    return form
-
-
-FiguresForm = Annotated[
-    str,
-    typer.Option(
-        "--figures",
-        metavar="FORMAT",
-        callback=_known_form,
-        help=f"Format of figures: {', '.join(FORMS[:-1])} or {FORMS[-1]}.",
-    ),
-]
-Method = Annotated[
-    str,
-    typer.Option(
-        help="self-similar, space-time, or auto, which chooses by the scene.",
-        autocompletion=one_of(*METHODS),
-    ),
-]
 
 
 def measured(dimension: str) -> Callable[[str], float]:
@@ -176,6 +121,52 @@ def optional(
     complete = one_of(*names) if names else None
     return Annotated[type_ | None, option(text, panel, complete=complete, **given)]
 
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="Name of a scene, or a TOML file.", autocompletion=scene_names
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results without progress.")]
+AsJson = Annotated[bool, option("Print JSON and nothing else.", flag="--json")]
+NoSnapshots = Annotated[bool, option("Write no field snapshots.", flag="--no-snapshots")]
+NoCompanions = Annotated[
+    bool,
+    option("Skip the runs on coarser meshes, which give error bars.", flag="--no-companions"),
+]
+Budget = Annotated[
+    str | None,
+    option(
+        "Time for the simulation, such as 60s, 5min or 1h, which decides the mesh; about that of a "
+        "resolution of 100 by default.",
+        "Finite elements",
+        metavar="TIME",
+    ),
+]
+Output = Annotated[
+    Path | None,
+    option(
+        "Folder to write to; by default results/SCENE, such as results/SCENE-friction-0.2.",
+        metavar="DIR",
+    ),
+]
+FORMS = ("png", "pdf", "svg")
+FiguresForm = Annotated[
+    str,
+    option(
+        f"Format of figures: {', '.join(FORMS[:-1])} or {FORMS[-1]}.",
+        flag="--figures",
+        metavar="FORMAT",
+        callback=lambda form: checked_word("--figures", form, FORMS),
+    ),
+]
+Method = Annotated[
+    str,
+    option(
+        "self-similar, space-time, or auto, which chooses by the scene.", complete=one_of(*METHODS)
+    ),
+]
 
 _SCENE_PANEL = "Scene (in place of the scene's own values)"
 
@@ -298,14 +289,9 @@ def with_options(
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Give a command the options of its own arguments, and one option per entry of each group.
 
-    The command itself takes each group as one keyword argument: a dictionary of the options that
-    were given on the command line.  Numbers that are not finite are refused.
-
-    Parameters
-    ----------
-    own : mapping from argument to typer option
-    **groups : mapping from option name to annotation
-        Options by the name of the argument that collects them.
+    Its own options are given by argument, those of a group as annotations by name.  The command
+    itself takes each group as one keyword argument: a dictionary of the options that were given on
+    the command line.  Numbers that are not finite are refused.
     """
     options = {name: hint for group in groups.values() for name, hint in group.items()}
 

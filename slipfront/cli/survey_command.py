@@ -17,26 +17,12 @@ from rich.markup import escape
 from compare.output.printed import PrintedTable
 from compare.output.progress import progress_bar
 from semianalytic.parameters.overriding import override_scene
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_count, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, require
 from semianalytic.scene.given.finding import scene_label
 from semianalytic.scene.units import ARGUMENTS, InSI, unit
-from slipfront.cli.options import (
-    LOWER_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    Quiet,
-    SceneArgument,
-    asked,
-    option,
-    option_dimension,
-    option_name,
-    optional,
-    read_number,
-    read_pair,
-    with_options,
-)
+from slipfront.cli import options
 from slipfront.cli.terminal import print_json
 
 if TYPE_CHECKING:
@@ -52,12 +38,12 @@ _DIGIT = re.compile(r"\d")
 
 
 def _values(text: str) -> Any:
-    return optional(str, _VALUES, text, metavar="VALUES")
+    return options.optional(str, _VALUES, text, metavar="VALUES")
 
 
 VALUE_OPTIONS: Mapping[str, Any] = {
     name: _values(hint.__metadata__[0].help.replace("\\[", "["))
-    for name, hint in {**SCENE_OPTIONS, **LOWER_OPTIONS}.items()
+    for name, hint in {**options.SCENE_OPTIONS, **options.LOWER_OPTIONS}.items()
     if name not in ("mode", "load_on", "wave", "wave_from", "units")
 }
 SAMPLES: Mapping[str, Any] = {
@@ -65,7 +51,7 @@ SAMPLES: Mapping[str, Any] = {
     "t": _values("Times at which fields are stored [time]."),
 }
 QUESTIONS: Mapping[str, Any] = {
-    name: optional(type_, None, text, dimension=dimension)
+    name: options.optional(type_, None, text, dimension=dimension)
     for name, type_, text, dimension in (
         ("rtol", float, "Requested accuracy; 1e-6 by default for solutions, none for marches.", ""),
         ("end_time", float, "Time until which totals are taken and marches run [time].", "time"),
@@ -74,44 +60,46 @@ QUESTIONS: Mapping[str, Any] = {
     )
 }
 _OPTIONS: Mapping[str, Any] = {
-    "vary": option(
+    "vary": options.option(
         "Any other number of the scene, such as friction_law.reduction=0:1:11, or of an "
         "interface, such as friction_law.distance=1e-5:1e-4:10:log.",
         metavar="NAME=VALUES",
     ),
-    "together": option(
+    "together": options.option(
         "Take the values as one list of points instead of a grid.", flag="--together"
     ),
-    "output": option("NetCDF file to write; results/SCENE-survey.nc by default.", metavar="FILE"),
-    "chunk": option("Largest number of points that are solved and saved together."),
-    "workers": option("Number of processes; one per core by default."),
-    "scheduler": option(
+    "output": options.option(
+        "NetCDF file to write; results/SCENE-survey.nc by default.", metavar="FILE"
+    ),
+    "chunk": options.option("Largest number of points that are solved and saved together."),
+    "workers": options.option("Number of processes; one per core by default."),
+    "scheduler": options.option(
         "Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.", metavar="ADDRESS"
     ),
 }
 
 
-@with_options(
+@options.with_options(
     _OPTIONS,
     values=VALUE_OPTIONS,
     samples=SAMPLES,
     question=QUESTIONS,
-    overrides={"units": SCENE_OPTIONS["units"]},
+    overrides={"units": options.SCENE_OPTIONS["units"]},
 )
 def survey_command(
     values: Mapping[str, str],
     samples: Mapping[str, str],
     question: Mapping[str, Any],
     overrides: Mapping[str, Any],
-    scene_name: SceneArgument,
+    scene_name: options.SceneArgument,
     vary: list[str] | None = None,
     together: bool = False,
     output: Path | None = None,
     chunk: int | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Solve a scene or run an interface at many values of its parameters, into NetCDF.
 
@@ -129,23 +117,24 @@ def survey_command(
 
     scene = override_scene(checked_subject(scene_name), **overrides)
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
-    if workers is not None and workers < 1:
-        raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
+    if workers is not None:
+        checked_count("--workers", workers, 1, "a whole number from")
     places = {
         name: tuple(np.atleast_1d(typed_values(scene, name, text, ARGUMENTS[name])).tolist())
         for name, text in samples.items()
     }
     for name in ("end_time", "length"):
-        asked(scene, name, question.get(name), ARGUMENTS[name])
+        options.asked(scene, name, question.get(name), ARGUMENTS[name])
     wanted: dict[str, Any] = {**question, **places, "fields": FIELDS if "t" in places else ()}
     given: dict[str, Any] = {
-        name: typed_values(scene, name, text, option_dimension(name))
+        name: typed_values(scene, name, text, options.option_dimension(name))
         for name, text in values.items()
     }
     others = _others(scene, vary or ())
     if twice := [name for name in others if name in given]:
         raise SceneError(
-            f"--vary {twice[0]} and {option_name(twice[0])} are one parameter; give one of them."
+            f"--vary {twice[0]} and {options.option_name(twice[0])} are one parameter; give one of "
+            "them."
         )
     given |= others
     plan = planned(scene, given, Question(**wanted), together=together, chunk=chunk)
@@ -189,15 +178,17 @@ def typed_values(scene: Scene, name: str, text: str, dimension: str) -> Any:
         if isinstance(error, SceneError) and all(map(_DIGIT.search, re.split("[:,]", text)[:2])):
             raise
         raise _no_values(name, text) from error
-    raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
+    raise SceneError(
+        f"{options.option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}."
+    )
 
 
 def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list[float]:
-    numbers = [read_number(scene, name, text, dimension) for text in texts]
+    numbers = [options.read_number(scene, name, text, dimension) for text in texts]
     bare = [number for number in numbers if number and not isinstance(number, InSI)]
     if 0 < len(bare) < len(numbers) and any(isinstance(number, InSI) for number in numbers):
         raise SceneError(
-            f"{option_name(name)} must have a unit at each number or at none, got "
+            f"{options.option_name(name)} must have a unit at each number or at none, got "
             f"{shown(','.join(texts))}."
         )
     return numbers
@@ -205,8 +196,8 @@ def _read(scene: Scene, name: str, texts: Sequence[str], dimension: str) -> list
 
 def _no_values(name: str, text: str) -> SceneError:
     return SceneError(
-        f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
-        f"0.1:0.9:100, got {text!r}."
+        f"{options.option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count "
+        f"as 0.1:0.9:100, got {text!r}."
     )
 
 
@@ -217,7 +208,7 @@ def _others(scene: Scene, vary: Sequence[str]) -> dict[str, Any]:
 
     result: dict[str, Any] = {}
     for text in vary:
-        name, values = read_pair("vary", text, "values", "friction_law.reduction=0:1:11")
+        name, values = options.read_pair("vary", text, "values", "friction_law.reduction=0:1:11")
         if name in result:
             raise SceneError(f"--vary {name} is given twice; give all its values in one row.")
         dimension = numbers_of(scene)[parameter_name(scene, name)].dimension

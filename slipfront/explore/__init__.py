@@ -2,7 +2,7 @@
 
 - `controls`: converts a scene to values of controls and back.
 - `views`, `maps`: plain arrays that the pictures of an answer, and the map of regimes, show.
-- `jobs`, `work`: computations that take seconds, in a process of their own.
+- `jobs`: computations that take seconds, in a process of their own.
 - `pictures`: pictures that are created once and receive new numbers.
 - `downloads`: files that the page offers.
 - `page`: the page and its answers to requests of the browser.

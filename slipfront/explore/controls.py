@@ -12,7 +12,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.parameters.numbers import numbers_of
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_document, scene_from_document
 from semianalytic.scene.given.finding import check_slot
@@ -250,8 +250,7 @@ def _part(values: Mapping[str, Any], name: str) -> Values:
     """Return the kind that is chosen of a part, and the values of the controls that it shows."""
     known = PARTS[name]
     kind = values.get(name, next(iter(known)))
-    if kind not in known:
-        raise SceneError(f"{name} must be one of {', '.join(known)}, got {shown(kind)}.")
+    checked_word(name, kind, known)
     return {"kind": kind} | {
         key: values.get(key) if key in CHOICES else _number(values, key) for key in known[kind]
     }
@@ -293,7 +292,6 @@ def values_from_query(query: str, start: Scene) -> Values:
             raise SceneError(f"the address names {shown(name)}, which no scene has; remove it.")
         word = name in CHOICES or name == "units"
         given[name] = text if word else _number(texts, name)
-        if name in CHOICES and text not in CHOICES[name]:
-            known = ", ".join(CHOICES[name])
-            raise SceneError(f"{name} must be one of {known}, got {shown(text)}.")
+        if name in CHOICES:
+            checked_word(name, text, CHOICES[name])
     return defaults(scene_of(base | given)) | given

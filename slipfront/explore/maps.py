@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.scales import stress_scale
 from semianalytic import Scene, Solution, TensionError, Tractions, solve
+from semianalytic.arrays import Array
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.regimes import regime
 from semianalytic.scene.errors import SceneError
@@ -41,7 +41,7 @@ Progress = Callable[[int, int], object]
 class RegimeMap:
     """Indices of `REGIMES`, (ratios, frictions), and the ranges of both."""
 
-    image: NDArray[np.float64]
+    image: Array
     poisson_ratio: tuple[float, float]
     friction: tuple[float, float]
 
@@ -87,7 +87,7 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
     return RegimeMap(image, POISSON_RATIOS, (0.0, highest))
 
 
-def _middles(ends: tuple[float, float], count: int) -> NDArray[np.float64]:
+def _middles(ends: tuple[float, float], count: int) -> Array:
     return ends[0] + (ends[1] - ends[0]) * (np.arange(count) + 0.5) / count
 
 
@@ -104,7 +104,7 @@ def _under(scene: Scene, friction: float) -> Scene:
     return replace(scene, friction=scene.law.with_coefficient(friction))
 
 
-def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str]:
+def _words(scene: Scene, friction: Array, swept: bool) -> list[str]:
     """Return the names of the regimes at several frictions."""
     try:
         if swept:

@@ -33,6 +33,7 @@ from slipfront.explore.controls import (
     values_from_query,
 )
 from slipfront.explore.downloads import FILES, program
+from slipfront.explore.jobs import Worker
 from slipfront.explore.maps import RegimeMap, can_map, highest_friction, map_key, regime_map
 from slipfront.explore.pictures import (
     CURVES,
@@ -42,9 +43,8 @@ from slipfront.explore.pictures import (
     MapPicture,
     SpaceTimePicture,
 )
-from slipfront.explore.readings import readings, scales
 from slipfront.explore.template import bokeh_scripts, known_queries, template
-from slipfront.explore.work import Worker
+from slipfront.explore.views import readings, scales
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
 """Accuracy of answers while a slider moves, and when it stands still."""

@@ -33,9 +33,10 @@ from bokeh.plotting import figure
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS
 from compare.figures import style
+from semianalytic.arrays import Array
 from slipfront.explore.board import Board
 from slipfront.explore.maps import REGIMES, RegimeMap
-from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
+from slipfront.explore.views import KINDS, FieldView, InterfaceView, SpaceTimeView
 
 SHADES = {kind: style.shade(kind) for kind in KINDS}
 WAVES = WAVE_SYMBOLS | {f"{LOWER}{name}": f"{symbol}2" for name, symbol in WAVE_SYMBOLS.items()}

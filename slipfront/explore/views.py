@@ -1,4 +1,4 @@
-"""Arrays that the pictures of the page show, in the units of their axes.
+"""Arrays that the pictures of the page show, in the units of their axes, and answers in words.
 
 Positions are relative to c_t T, times to T, tractions to τ₀, slip rates to V₀, slip and
 displacement to V₀ T; T is the end time.  Pictures of one moment show the time `share` T.
@@ -11,14 +11,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
+from compare.comparison.scales import (
+    contact_fronts,
+    reference_values,
+    slip_rate_scale,
+    stress_scale,
+)
 from compare.figures.fronts import fronts, moving_parts, reach
 from semianalytic import Marched, Scene
+from semianalytic.arrays import Array
+from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
+from semianalytic.scene.units import unit
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
-
-Array = NDArray[np.float64]
 
 KINDS = ("stick", "slip", "reverse slip", "open")
 """States of the contact; arrays store the index of a state."""
@@ -41,23 +46,12 @@ def end_time(scene: Scene) -> float:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceView:
-    """State of the contact at one time.
+    """State of the contact at one time."""
 
-    Attributes
-    ----------
-    x : (n,) array
-        Positions over c_t T.
-    slip_rate : (n,) array
-        Slip rate over V₀.
-    slip : (n,) array
-        Slip over V₀ T.
-    shear, bound, pressure : (n,) arrays
-        Shear traction, friction bound f p and contact pressure over τ₀.
-    """
-
-    x: Array
-    slip_rate: Array
-    slip: Array
+    x: Array  # (n,) array: positions over c_t T
+    slip_rate: Array  # (n,) array: slip rate over V₀
+    slip: Array  # (n,) array: slip over V₀ T
+    # (n,) arrays: shear traction, friction bound f p and contact pressure over τ₀
     shear: Array
     bound: Array
     pressure: Array
@@ -121,25 +115,15 @@ def _limits(values: Array, margin: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTimeView:
-    """State of the contact over space and time.
+    """State of the contact over space and time."""
 
-    Attributes
-    ----------
-    wedges : tuple of (kind, inner, outer)
-        Edges of zones at T over c_t T, infinite for slip that a remote load starts everywhere;
-        empty for a march.
-    image : (m, n) array or None
-        Indices of `KINDS` over 0 < x < reach, 0 < t < T; None for a solution.
-    reach : float
-        Largest position over c_t T.
-    waves : dict
-        Positions of the wave fronts at T over c_t T, by name.
-    """
-
+    # tuple of (kind, inner, outer): edges of zones at T over c_t T, infinite for slip that a remote
+    # load starts everywhere; empty for a march
     wedges: tuple[tuple[str, float, float], ...]
+    # (m, n) array or None: indices of `KINDS` over 0 < x < reach, 0 < t < T; None for a solution
     image: Array | None
-    reach: float
-    waves: Mapping[str, float]
+    reach: float  # largest position over c_t T
+    waves: Mapping[str, float]  # positions of the wave fronts at T over c_t T, by name
 
 
 def space_time_view(answer: Any) -> SpaceTimeView:
@@ -172,29 +156,16 @@ def _senses(marched: Marched) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FieldView:
-    """Particle speed or displacement in both bodies at one time.
+    """Particle speed or displacement in both bodies at one time."""
 
-    Attributes
-    ----------
-    size : (m, n) array
-        Particle speed over V₀, or displacement over V₀ T, clipped at `largest`.
-    reach : float
-        Half the side of the picture over c_t T.
-    largest : float
-        Value at the end of the colour scale.
-    lines : list of (x, y)
-        Wave fronts in both bodies.
-    names : list of (name, x, y)
-        Names of waves, each next to its front.
-    parts : list of (kind, start, end)
-        Slipping and open parts of the interface.
-    """
-
+    # (m, n) array: particle speed over V₀, or displacement over V₀ T, clipped at `largest`
     size: Array
-    reach: float
-    largest: float
-    lines: list[tuple[Array, Array]]
+    reach: float  # half the side of the picture over c_t T
+    largest: float  # value at the end of the colour scale
+    lines: list[tuple[Array, Array]]  # list of (x, y): wave fronts in both bodies
+    # list of (name, x, y): names of waves, each next to its front
     names: list[tuple[str, float, float]]
+    # list of (kind, start, end): slipping and open parts of the interface
     parts: list[tuple[str, float, float]]
 
 
@@ -224,3 +195,31 @@ def field_view(fields: Any, points: int, share: float = 1.0, of: str = SPEED) ->
         for part in moving_parts(fields, time)
     ]
     return FieldView(np.minimum(size, largest), far / length, largest, lines, names, parts)
+
+
+def readings(answer: Any) -> list[list[str]]:
+    """Return further results of an answer, each with name and value."""
+    scene = answer.scene
+    if answer.method == "space-time":
+        slip = float(answer.max_slip(answer.end_time))
+        return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
+    speed = scene.material.shear_speed
+    parts = [
+        (kind_of_slip(zone.sense), zone.inner / speed, zone.outer / speed) for zone in answer.zones
+    ]
+    parts += [("open", opening.inner / speed, opening.outer / speed) for opening in answer.openings]
+    digits = digits_apart((end for _, *ends in parts for end in ends), 5)
+    rows = [
+        [kind, f"{inner:.{digits}g} … {number_or_infinity(outer, digits)} c_t"]
+        for kind, inner, outer in sorted(parts, key=lambda part: part[1])
+    ]
+    return rows or [["interface", "sticks everywhere"]]
+
+
+def scales(scene: Scene) -> list[list[str]]:
+    """Return the scales of the axes: symbol, value with its unit."""
+    time = end_time(scene)
+    named = reference_values(scene, time)
+    named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
+    shown = {symbol: named[symbol] for symbol in ("c_t T", "T", "τ₀", "V₀")}
+    return [[symbol, f"{value:.4g} {name}"] for symbol, (value, name) in shown.items()]

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures import style
-from compare.records.record import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
 from semianalytic.results.plotting import SHOWN, shown_number

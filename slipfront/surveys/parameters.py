@@ -6,15 +6,14 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.parameters.numbers import numbers_of, spelled
 from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find
 from semianalytic.scene.scene import Scene
 
-Array = NDArray[np.float64]
 MATERIAL = ("shear_modulus", "density", "poisson_ratio")
 
 
@@ -30,13 +29,8 @@ def checked_subject(given: object) -> Scene:
 
 
 def parameter_name(subject: Scene, given: str) -> str:
-    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no such number.
-    """
+    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores;
+    SceneError if the scene has no such number."""
     known, name = numbers_of(subject), spelled(given)
     name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
     if name not in known:
@@ -46,13 +40,8 @@ def parameter_name(subject: Scene, given: str) -> str:
 
 
 def checked_values(name: str, given: Any) -> Array:
-    """Return the values of a parameter as an array, (n,) or ().
-
-    Raises
-    ------
-    SceneError
-        If they are not a number or a row of finite numbers.
-    """
+    """Return the values of a parameter as an array, (n,) or (); SceneError if they are not a number
+    or a row of finite numbers."""
     try:
         values = np.asarray(given)
     except ValueError:

@@ -16,18 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
-from slipfront.surveys.parameters import (
-    Array,
-    checked_subject,
-    checked_values,
-    parameter_name,
-)
+from slipfront.surveys.parameters import checked_subject, checked_values, parameter_name
 
 Region = tuple[slice, ...]
 
@@ -68,14 +64,9 @@ class Question:
     fields: tuple[str, ...] = ()
 
     def checked(self, of_interface: bool = False) -> Question:
-        """Check all options and return them in their final form.
+        """Return all options in their final form; SceneError if one is out of range.
 
         An interface has positions of either sign, and onsets and speeds at x without times.
-
-        Raises
-        ------
-        SceneError
-            If an option is out of range.
         """
         changes: dict[str, Any] = {}
         for name in ("rtol", "end_time", "length"):
@@ -103,27 +94,15 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class SurveyPlan:
-    """A survey: a scene, the values of its parameters, and its options.
-
-    Attributes
-    ----------
-    scene : Scene
-    values : mapping of parameter to (n,) array
-    fixed : mapping of parameter to number
-        Parameters that replace those of the scene by one value at all points.
-    together : bool
-        Whether the values are one list of points instead of a grid.
-    question : Question
-    chunk : int
-        Largest number of points in a chunk.
-    """
+    """A survey: a scene, the values of its parameters, and its options."""
 
     scene: Scene
-    values: Mapping[str, Array]
+    values: Mapping[str, Array]  # mapping of parameter to (n,) array
+    # parameters that replace those of the scene by one value at all points
     fixed: Mapping[str, float]
-    together: bool
+    together: bool  # whether the values are one list of points instead of a grid
     question: Question
-    chunk: int
+    chunk: int  # largest number of points in a chunk
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -255,13 +234,10 @@ def planned(
     together: bool = False,
     chunk: int | None = None,
 ) -> SurveyPlan:
-    """Plan a survey and check it; parameters with a single number are fixed.
+    """Plan a survey; parameters with a single number are fixed.
 
-    Raises
-    ------
-    SceneError
-        If there is no such parameter, no parameter has several values, lists that go together
-        differ in length, or an option is out of range.
+    SceneError is raised if there is no such parameter, no parameter has several values, lists that
+    go together differ in length, or an option is out of range.
     """
     scene = checked_subject(scene)
     of_interface = bool(scene.on_line)

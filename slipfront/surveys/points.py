@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen, solve
@@ -21,7 +22,6 @@ from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
-from slipfront.surveys.parameters import Array
 from slipfront.surveys.plan import Question
 from slipfront.surveys.quantities import QUANTITIES, TEXT
 
@@ -41,12 +41,7 @@ def solved_chunk(
 ) -> bytes:
     """Compute all quantities at the points of a chunk and pack them into bytes.
 
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of parameter to (m,) array
-    fixed : mapping of parameter to number
-    question : Question
+    Values (m,) are those of the parameters at each point, fixed ones the same at all.
     """
     count = len(next(iter(values.values())))
     rows: list[Values] = [{} for _ in range(count)]

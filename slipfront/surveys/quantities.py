@@ -16,23 +16,12 @@ TEXT = "text"
 
 @dataclass(frozen=True)
 class SurveyVariable:
-    """A variable of a survey.
+    """A variable of a survey."""
 
-    Attributes
-    ----------
-    dimension : str
-        Physical dimension, such as "length / time".
-    meaning : str
-    along : tuple of str
-        Array dimensions in addition to those of the points.
-    kind : str
-        "f8", "i1" or `TEXT`.
-    """
-
-    dimension: str
+    dimension: str  # physical dimension, such as "length / time"
     meaning: str
-    along: tuple[str, ...] = ()
-    kind: str = "f8"
+    along: tuple[str, ...] = ()  # array dimensions in addition to those of the points
+    kind: str = "f8"  # "f8", "i1" or `TEXT`
 
     @property
     def absent(self) -> Any:

@@ -8,14 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
-from compare.comparison.fields.fronts import Fronts, TwoBodies
+from compare.comparison.fields.fronts import SceneFronts
 from compare.comparison.fields.pairs import Norms, Pair, area_norm, norms_of
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from semianalytic.arrays import Array, Mask
 
 PARTS = ("whole", "outside the band")
 SAME = 1e-6
@@ -24,28 +21,15 @@ SAME = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class FieldChange:
-    """Error and mesh changes of a component of the last frame, whole or outside the band at fronts.
+    """Error and mesh changes of a component of the last frame, whole or without bands at fronts."""
 
-    Attributes
-    ----------
-    component : str
-        v_x, ..., u_x, ..., sigma_xx, ...
-    part : str
-        One of `PARTS`.
-    norms : Norms
-        Those over the area; for stresses, of the changes since t = 0.
-    changes : tuple of float
-        Norms of the changes from the mesh 2h to h, and from 4h to 2h, over `norms.size`, as far as
-        there are frames of these meshes.
-    before : callable
-        Returns the difference on the mesh 2h, over `norms.size`.
-    """
-
-    component: str
-    part: str
-    norms: Norms
+    component: str  # v_x, ..., u_x, ..., sigma_xx, ...
+    part: str  # one of `PARTS`
+    norms: Norms  # those over the area; for stresses, of the changes since t = 0
+    # norms of the changes from the mesh 2h to h, and from 4h to 2h, over `norms.size`, as far as
+    # there are frames of these meshes
     changes: tuple[float, ...]
-    before: Callable[[], float]
+    before: Callable[[], float]  # returns the difference on the mesh 2h, over `norms.size`
 
     @property
     def difference(self) -> float:
@@ -56,7 +40,7 @@ class FieldChange:
 def field_changes(
     last: dict[str, Pair],
     frames: Sequence[Frame],
-    fronts: Fronts | TwoBodies,
+    fronts: SceneFronts,
     width: float,
     predict: Callable[[Frame], dict[str, Pair]],
 ) -> tuple[FieldChange, ...]:

@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.case import companions_of
 from compare.comparison.fields.changes import FieldChange, field_changes
-from compare.comparison.fields.frames import Frame, last_frame, read_frame
-from compare.comparison.fields.fronts import Fronts, TwoBodies, fronts_between, fronts_of
+from compare.comparison.fields.frames import Frame, last_frame, listed_frames, read_frame
+from compare.comparison.fields.fronts import SceneFronts, fronts_of
 from compare.comparison.fields.pairs import Pair, frame_pairs, norms_of
-from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.results.answer import Answer
@@ -25,7 +23,6 @@ from semianalytic.results.gridded import AnswerInBodies
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
 
 BAND = 2.0
 """Half-width of the band around a front, in elements."""
@@ -39,50 +36,27 @@ compared.  They are drawn at random; that many suffice for two digits of an erro
 
 @dataclass(frozen=True)
 class FieldError:
-    """Error of one component of one frame.
+    """Error of one component of one frame."""
 
-    Attributes
-    ----------
-    time : float
-        [time].
-    component : str
-        v_x, ..., u_x, ..., sigma_xx, ...
-    whole : float
-        L1 norm of the difference in both bodies, over that of the prediction (for stresses, of the
-        change since t = 0).  Where the component vanishes, it is relative to the largest component
-        of the same field.
-    outside : float
-        The same error outside the band of `BAND` elements on either side of all fronts.
-    band : float
-        Part of the area that is in the band.
-    """
-
-    time: float
-    component: str
+    time: float  # [time]
+    component: str  # v_x, ..., u_x, ..., sigma_xx, ...
+    # L1 norm of the difference in both bodies, over that of the prediction (for stresses, of the
+    # change since t = 0). Where the component vanishes, it is relative to the largest component of
+    # the same field.
     whole: float
+    # the same error outside the band of `BAND` elements on either side of all fronts
     outside: float
-    band: float
+    band: float  # part of the area that is in the band
 
 
 @dataclass(frozen=True, eq=False)
 class FieldErrors:
-    """Errors of all frames, and the last frame itself.
+    """Errors of all frames, and the last frame itself."""
 
-    Attributes
-    ----------
-    element_size : float
-        [length].
-    frames : tuple of tuples of FieldError
-        In the order of time.
-    last : dict of Pair
-        Components of the last frame, by name.
-    changes : tuple of FieldChange
-        Changes of its components from mesh to mesh, from which error bars come.
-    """
-
-    element_size: float
-    frames: tuple[tuple[FieldError, ...], ...]
-    last: dict[str, Pair]
+    element_size: float  # [length]
+    frames: tuple[tuple[FieldError, ...], ...]  # in the order of time
+    last: dict[str, Pair]  # components of the last frame, by name
+    # changes of its components from mesh to mesh, from which error bars come
     changes: tuple[FieldChange, ...]
 
     @property
@@ -169,7 +143,7 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
 
 
 def pair_errors(
-    pairs: dict[str, Pair], fronts: Fronts | TwoBodies, time: float, width: float
+    pairs: dict[str, Pair], fronts: SceneFronts, time: float, width: float
 ) -> Iterator[FieldError]:
     """Errors of all components of a frame at a time [time].
 
@@ -192,11 +166,9 @@ def pair_errors(
 
 def fronts_in(
     prediction: Answer | PairSolution, scene: Scene, shortest: float = 0.0
-) -> Fronts | TwoBodies:
+) -> SceneFronts:
     """Fronts of a scene, including those of the zones and openings of a prediction; flanks of loads
     that are shorter than a time count as jumps."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     edges = [edge for part in parts for edge in (part.inner, part.outer)]
-    if scene.lower_material is not None:
-        return fronts_between(prediction.scene, edges)
     return fronts_of(scene, edges, shortest)

@@ -1,18 +1,24 @@
-"""Frames of field snapshots: velocity and displacement at nodes, stresses in elements, areas."""
+"""Frames of field snapshots: their files, velocity and displacement at nodes, stresses, areas."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.snapshots import frame_mesh, listed_frames
+from semianalytic.arrays import Array, Mask
+from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    import meshio
 
 IN_PLANE = ("sigma_xx", "sigma_yy", "sigma_xy")
 OUT_OF_PLANE = ("sigma_xz", "sigma_yz")
@@ -23,24 +29,16 @@ CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Places in both bodies at which a frame has fields.
+    """Places in both bodies at which a frame has fields."""
 
-    Attributes
-    ----------
-    x, y : (m,) arrays
-        Coordinates [length]; on the faces y is 0.0 above and -0.0 below.
-    area : (m,) array
-        Area that each place stands for [length^2].
-    fields : dict of (m,) arrays
-        Fields by the name of the component, in the units of the scene.
-    """
-
+    # (m,) arrays: coordinates [length]; on the faces y is 0.0 above and -0.0 below
     x: Array
     y: Array
-    area: Array
+    area: Array  # (m,) array: area that each place stands for [length^2]
+    # dict of (m,) arrays: fields by the name of the component, in the units of the scene
     fields: dict[str, Array]
 
-    def at(self, chosen: NDArray[np.bool_]) -> Places:
+    def at(self, chosen: Mask) -> Places:
         """Return the chosen places."""
         some = {name: values[chosen] for name, values in self.fields.items()}
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
@@ -58,30 +56,16 @@ class Places:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Mesh of both bodies, with the areas that its nodes and elements stand for.
+    """Mesh of both bodies, with the areas that its nodes and elements stand for."""
 
-    Attributes
-    ----------
-    points : (n, 2) array
-        Nodes [length].
-    cells : (m, k) array
-        Nodes of each element, its corners first.
-    y : (n,) array
-        Second coordinate of the nodes, with the sign of their body: -0.0 on the lower face.
-    held : (n,) array
-        Area that each node stands for [length^2].
-    centre : (m, 2) array
-        Centres of the elements [length].
-    area : (m,) array
-        Areas of the elements [length^2].
-    """
-
-    points: Array
-    cells: NDArray[np.integer[Any]]
+    points: Array  # (n, 2) array: nodes [length]
+    cells: NDArray[np.integer[Any]]  # (m, k) array: nodes of each element, its corners first
+    # (n,) array: second coordinate of the nodes, with the sign of their body: -0.0 on the lower
+    # face
     y: Array
-    held: Array
-    centre: Array
-    area: Array
+    held: Array  # (n,) array: area that each node stands for [length^2]
+    centre: Array  # (m, 2) array: centres of the elements [length]
+    area: Array  # (m,) array: areas of the elements [length^2]
 
     def is_of(self, points: Array, cells: NDArray[np.integer[Any]]) -> bool:
         """Whether the mesh has these nodes and elements."""
@@ -90,22 +74,11 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One frame of both bodies.
+    """One frame of both bodies."""
 
-    Attributes
-    ----------
-    time : float
-        [time].
-    nodes : Places
-        v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too.
-    elements : Places
-        Stresses at the centre of each element.
-    mesh : Mesh
-    """
-
-    time: float
-    nodes: Places
-    elements: Places
+    time: float  # [time]
+    nodes: Places  # v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too
+    elements: Places  # stresses at the centre of each element
     mesh: Mesh
 
     def clear_of_left(self, distance: float) -> Frame:
@@ -165,3 +138,48 @@ def last_frame(folder: Path, run: str | None = None) -> Frame:
     DataFileError is raised.
     """
     return read_frame(*listed_frames(folder, run)[-1])
+
+
+INDEX = "fields.pvd"
+
+
+def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Path]]:
+    """Times [time] and files of the frames that the index of a folder of snapshots lists, in order.
+
+    Index and last frame must belong to a run, any by default; else, or if the index is missing,
+    damaged or empty, a DataFileError is raised.
+    """
+    from fem.snapshots import frame_run, index_run
+
+    index = folder / INDEX
+    try:
+        check_seal(index)
+        entries = [
+            (float(entry.attrib["timestep"]), folder / entry.attrib["file"])
+            for entry in ElementTree.parse(index).getroot().iter("DataSet")
+        ]
+        if not all(math.isfinite(time) for time, _ in entries):
+            raise ValueError("times that are not finite")
+        _, last = entries[-1]
+    except (OSError, ElementTree.ParseError, IndexError, KeyError, ValueError) as error:
+        raise DataFileError(
+            f"{index} lists no snapshot that can be read; simulate again."
+        ) from error
+    if run is not None and not index_run(folder) == run == frame_run(last):
+        raise DataFileError(
+            f"the snapshots in {folder} are not of its simulation but of another run; "
+            "simulate again, or leave them out with --no-snapshots."
+        )
+    return entries
+
+
+@contextmanager
+def frame_mesh(path: Path) -> Iterator[meshio.Mesh]:
+    """The mesh and fields of a frame; DataFileError if it is damaged or lacks what is read."""
+    import meshio
+
+    try:
+        check_seal(path)
+        yield meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio raises bare exceptions, and exits on some
+        raise DataFileError(f"{path} cannot be read as a snapshot; simulate again.") from error

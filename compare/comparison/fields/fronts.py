@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic import Scene
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 FLANK = 0.1
 """Least change of a load, over its largest value, in a flank that counts as a jump."""
@@ -23,22 +21,13 @@ class StraightFront:
     """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y| on one side of the edge.
 
     It begins where it touches the circular front of the wave.
-
-    Attributes
-    ----------
-    wave : float
-        Slowness of the wave [time / length].
-    source : float
-        Slowness of the source along the surface: 0 for plane waves that come at once, that of the P
-        wave for head waves, of a moving load for its plane waves, of a zone edge for its Mach
-        fronts.
-    side : 1 or -1
-        Sign of x.
     """
 
-    wave: float
+    wave: float  # slowness of the wave [time / length]
+    # slowness of the source along the surface: 0 for plane waves that come at once, that of the P
+    # wave for head waves, of a moving load for its plane waves, of a zone edge for its Mach fronts
     source: float
-    side: int
+    side: int  # 1 or -1: sign of x
 
     def line(self, t: float, share: Array) -> tuple[Array, Array]:
         """Points x, y >= 0 of the front at time t [length], by their share of the way from the
@@ -59,23 +48,13 @@ class StraightFront:
 
 @dataclass(frozen=True)
 class Fronts:
-    """All fronts of a scene, and the contact edge.
+    """All fronts of a scene, and the contact edge."""
 
-    Attributes
-    ----------
-    starts : tuple of float
-        Times at which a load jumps and sends out all the fronts [time].
-    circles : tuple of float
-        Slownesses of the waves that spread from the edge [time / length].
-    lines : tuple of StraightFront
-    points : tuple of float
-        Velocities of the surface points at which fields jump or are infinite: Rayleigh points and
-        zone edges [length / time].
-    """
-
-    starts: tuple[float, ...]
-    circles: tuple[float, ...]
+    starts: tuple[float, ...]  # times at which a load jumps and sends out all the fronts [time]
+    circles: tuple[float, ...]  # slownesses of the waves that spread from the edge [time / length]
     lines: tuple[StraightFront, ...]
+    # velocities of the surface points at which fields jump or are infinite: Rayleigh points and
+    # zone edges [length / time]
     points: tuple[float, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
@@ -90,43 +69,15 @@ class Fronts:
 
 
 @dataclass(frozen=True)
-class TwoBodies:
-    """The fronts in two different bodies.
+class SceneFronts:
+    """The fronts of a scene: alike in both bodies, or in the upper body and in the lower one."""
 
-    Attributes
-    ----------
-    upper, lower : Fronts
-    """
-
-    upper: Fronts
-    lower: Fronts
+    bodies: tuple[Fronts, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
         """Distance of points from the nearest front of their body, or from the edge [length]."""
-        above, below = (body.distance(x, y, t) for body in (self.upper, self.lower))
-        return np.where(np.signbit(y), below, above)
-
-
-def fronts_between(scene: Scene, edges: Sequence[float] = ()) -> TwoBodies:
-    """Return the fronts that a step on the slot sends into two different bodies.
-
-    Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
-    of a zone, sends straight fronts into that body.  Edges are the velocities of the ends of slip
-    zones and openings [length / time].
-    """
-    bodies, load = scene.bodies, scene.superposition.taken_off
-    moving = [edge for edge in edges if 0 < edge < math.inf]
-    waves = [(1 / solid.longitudinal_speed, 1 / solid.shear_speed) for solid in bodies]
-    sources = {1 / edge for edge in moving}.union(*waves)
-    found = []
-    for (pressure, shear), body in zip(waves, bodies, strict=True):
-        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
-        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
-        lines.append(StraightFront(shear, pressure, -1))
-        lines += [StraightFront(s, u, 1) for s in (pressure, shear) for u in sources if u < s]
-        points = (*moving, -body.rayleigh_speed)
-        found.append(Fronts((0.0,), (pressure, shear), tuple(lines), points))
-    return TwoBodies(*found)
+        distances = [body.distance(x, y, t) for body in self.bodies]
+        return np.where(np.signbit(y), distances[-1], distances[0])
 
 
 def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
@@ -151,27 +102,34 @@ def jump_times(scene: Scene, shortest: float = 0.0) -> tuple[float, ...]:
     return tuple(sorted(starts))
 
 
-def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> Fronts:
+def fronts_of(scene: Scene, edges: Sequence[float] = (), shortest: float = 0.0) -> SceneFronts:
     """Return the fronts that jumps of the loads of a scene send out.
 
-    Edges are the velocities of the ends of slip zones and openings [length / time]; flanks of loads
-    that are shorter than the shortest count as jumps [time].
+    Whatever runs along the contact faster than a wave of a body, a wave of either body or the end
+    of a zone, sends straight fronts into that body.  Edges are the velocities of the ends of slip
+    zones and openings [length / time]; flanks of loads that are shorter than the shortest count as
+    jumps [time].
     """
-    material, load = scene.material, scene.superposition.taken_off
-    shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
-    moving = [edge for edge in edges if 0 < edge < math.inf]
-    in_plane = not scene.antiplane or load.pressure != 0
-    waves = (pressure, shear) if in_plane else (shear,)
-    rayleigh = material.rayleigh_speed
-    points = [*moving, *((rayleigh, -rayleigh) if in_plane else ())]
-    front = -scene.front_slowness
-    if front > 0:  # the load runs over the slot and is reflected as waves that it is faster than
-        lines = [StraightFront(wave, front, -1) for wave in waves if front < wave]
-        points.append(-1 / front)
-    else:
-        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
-        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
-    lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
-    lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
-    lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
-    return Fronts(jump_times(scene, shortest), waves, tuple(lines), tuple(points))
+    alike, load = scene.lower_material is None, scene.superposition.taken_off
+    front, moving = -scene.front_slowness, [edge for edge in edges if 0 < edge < math.inf]
+    bodies = scene.bodies[: 1 if alike else 2]
+    both = [(1 / solid.longitudinal_speed, 1 / solid.shear_speed) for solid in bodies]
+    waves = [own[1:] if scene.shears_alone else own for own in both]
+    sources = sorted({1 / edge for edge in moving}.union(*waves))
+    found = []
+    for body, own in zip(bodies, waves, strict=True):
+        pressure, shear, points = own[0], own[-1], list(moving)
+        if front > 0:  # the load runs over the slot and is reflected as waves that are slower
+            lines = [StraightFront(wave, front, -1) for wave in own if front < wave]
+            points.append(-1 / front)
+        else:  # one that comes along the slot has plane waves that do not end at the circle
+            at_once = ((shear, load.shear), (pressure, load.pressure)) if front == 0 else ()
+            lines = [StraightFront(wave, 0.0, -1) for wave, size in at_once if size]
+        lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
+        lines += [StraightFront(shear, u, -1) for u in own if u < shear]
+        lines += [StraightFront(s, u, 1) for s in own for u in sources if u < s]
+        if not scene.shears_alone:
+            rayleigh = body.rayleigh_speed
+            points += [-rayleigh, *([rayleigh] if alike else [])]
+        found.append(Fronts(jump_times(scene, shortest), own, tuple(lines), tuple(points)))
+    return SceneFronts(tuple(found))

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
 from compare.output.field_files import resolved
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.gridded import AnswerInBodies
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 SAMPLED = 60_000
 """Largest number of nodes or elements at which displacement and stress are compared.
@@ -26,18 +23,11 @@ They are drawn at random.  Of 190,000 nodes that gives errors within 3 %, 20,000
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One component of a frame, simulated and predicted.
-
-    Attributes
-    ----------
-    name : str
-    places : Places
-    simulated, predicted : (m,) arrays
-        Values in the units of the scene; stresses are changes since t = 0.
-    """
+    """One component of a frame, simulated and predicted."""
 
     name: str
     places: Places
+    # (m,) arrays: values in the units of the scene; stresses are changes since t = 0
     simulated: Array
     predicted: Array
 

@@ -9,7 +9,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import value_row
@@ -35,6 +34,7 @@ from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from fem.march import RATE_WINDOW
 from semianalytic import Marched
+from semianalytic.arrays import Array, Mask
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import FIELDS, SlipInterval
@@ -44,9 +44,6 @@ from semianalytic.results.intervals import slip_intervals
 from semianalytic.scene.laws.law import follows_path
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 NOTHING = 1e-9
 """Part of the slip, or of the strength, below which a gap or a traction counts as none, and of what

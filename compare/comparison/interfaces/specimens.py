@@ -7,7 +7,6 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.bars import LEAST_ORDER, error_bar
 from compare.comparison.case import EDGE_CELLS
@@ -26,8 +25,6 @@ from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_document, scene_document
 from semianalytic.scene.loading import Tractions
-
-Array = NDArray[np.float64]
 
 EARLY = 3
 """Squares of the coarsest mesh by which motion of a mesh is ahead of the first wave: a difference

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
 from compare.comparison.case import Case
@@ -29,12 +28,12 @@ from compare.comparison.quantities.arrivals import (
 )
 from compare.comparison.rows import Row
 from compare.comparison.scales import contact_fronts, scene_fronts
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
 """Least root mean square of a signal, over τ₀ or V₀, that is read.  Among 288 fronts of 119 drawn

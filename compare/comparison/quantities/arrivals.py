@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.measures import within
+from semianalytic.arrays import Array
 
-Array = NDArray[np.float64]
 Waveform = Callable[[Array], Array]
 Table = tuple[Array, Array]
 

@@ -22,7 +22,6 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import open_intervals, slip_intervals
 from semianalytic.results.sampled import interpolated
 
-Array = NDArray[np.float64]
 Part = SlipInterval | OpenInterval
 """A slip zone or an opening."""
 Seen = Callable[[InterfaceHistory, int], tuple[Part, ...]]

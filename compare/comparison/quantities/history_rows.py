@@ -20,15 +20,15 @@ from compare.comparison.measures import (
     PROBES,
     ROUNDING,
     SENSE_THRESHOLD,
+    first_above,
     nearest,
-    onset_time,
 )
 from compare.comparison.rows import Row
 from semianalytic import Harmonic
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
 
-Array = NDArray[np.float64]
 Senses = NDArray[np.int8]
 
 APART = 2
@@ -53,7 +53,7 @@ def slip_sense(slip_rate: Array, largest: float) -> Senses:
     return np.where(fast, np.sign(slip_rate), 0).astype(np.int8)
 
 
-def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
+def sense_maps(case: Case) -> tuple[Senses, Senses, Mask]:
     """Return predicted and simulated maps of the sense of slip, `APART` where the contact is open,
     and the mask of the nodes and times that the waves have reached, (m, n) each."""
     seen = case.seen
@@ -72,7 +72,7 @@ def _sense_or_apart(case: Case, slip_rate: Array, gap: Array) -> Senses:
     return senses
 
 
-def beside_edges(sense: Senses) -> NDArray[np.bool_]:
+def beside_edges(sense: Senses) -> Mask:
     """Nodes and times within one of a change of sense, (m, n)."""
     changes = np.zeros(sense.shape, dtype=bool)
     changes[:-1] |= np.diff(sense, axis=0) != 0
@@ -134,7 +134,7 @@ def map_row(case: Case, name: str, unseen: Array) -> Row:
     )
 
 
-def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
+def _behind_front(case: Case, x: Array, t: Array) -> Mask:
     """Mask of where the first wave has passed, except for `FRONT` elements of the coarsest mesh
     behind it, by which slip may begin too early on all meshes."""
     width = FRONT * case.runs[-1].element_size
@@ -228,8 +228,8 @@ def _event(
 ) -> float | None:
     """First time in T of slip at a place, of one sense if given; None if it does not happen."""
     record = _record(history, place)
-    rate = record if sense is None else np.maximum(sense * record, 0.0)
-    when = onset_time(history.t, rate, least)
+    rate = np.abs(record) if sense is None else sense * record
+    when = first_above(history.t, rate, least)
     return None if when is None else when / end_time
 
 

@@ -13,18 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from compare.comparison.case import FIELDS, LEAST_PEAK, WHOLE_STEPS, Case
 from compare.comparison.judging import least_error
 from compare.comparison.measures import EARLY, ROUNDING
 from compare.comparison.rows import UNLIKE, Row
+from semianalytic.arrays import Array
 from semianalytic.results.sampled import interpolated
 
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
 
 LIKENESS = "coarser runs against this one"
 SAME = 1e-4

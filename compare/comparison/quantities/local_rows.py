@@ -14,11 +14,9 @@ from compare.comparison.case import Case
 from compare.comparison.judging import judged
 from compare.comparison.measures import ROUNDING
 from compare.comparison.rows import Row
+from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BAND = 2
 """Number of elements of the coarsest mesh on either side of fronts and edges that are left out; the

@@ -17,12 +17,12 @@ from compare.comparison.case import FIELDS, WHOLE_STEPS, Case, companions_of
 from compare.comparison.judging import judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
 
 WORN = ("final_path", "final_work_density")
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"

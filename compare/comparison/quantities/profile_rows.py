@@ -8,16 +8,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narrow, worn_of
 from compare.comparison.judging import profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
+from semianalytic.arrays import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 
-Array = NDArray[np.float64]
 Answers = Callable[[ArrayLike, ArrayLike], Array]
 
 NEAREST, FARTHEST = 0.02, 1.9

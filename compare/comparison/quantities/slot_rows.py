@@ -7,14 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import Compared, field_row
 from compare.comparison.measures import within
 from compare.comparison.rows import Row
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 
 def slot_rows(case: Case) -> Iterator[Row]:

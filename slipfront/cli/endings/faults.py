@@ -1,4 +1,4 @@
-"""End of a command that meets a fault of the program: a sentence, a report, exit code 70.
+"""End of a command that meets a fault of the program: a sentence, a report, exit code 70; others.
 
 This module imports only the standard library, because it must work when other packages are broken.
 """
@@ -15,8 +15,9 @@ from collections.abc import Sequence
 
 CRASHED = 70
 """EX_SOFTWARE of sysexits.h."""
-READER_GONE = 141
-"""Exit code that a shell reports for a program ended by SIGPIPE."""
+READER_GONE, INTERRUPTED, TERMINATED = 141, 130, 143
+"""Exit codes that a shell reports for programs ended by SIGPIPE, SIGINT and SIGTERM."""
+INTERRUPTION = "Interrupted; files not yet complete were not written."
 _PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
 _LONGEST = 200
 _REPORT = """\

@@ -109,7 +109,7 @@ def export(
     as_json: AsJson = False,
 ) -> None:
     """Write sheets: a page, a table of the answer and the problem as a file, with checksums."""
-    from compare.benchmarks.export import export as export_sheets
+    from compare.benchmarks.pages import export as export_sheets
 
     chosen = [find_sheet(name) for name in dict.fromkeys(names or sheets())]
     files = export_sheets(directory, chosen, overwrite=overwrite)

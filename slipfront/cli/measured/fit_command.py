@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
@@ -38,15 +38,7 @@ from semianalytic.scene.given.finding import check_slot, find
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
-from slipfront.cli.options import (
-    SCENE_OPTIONS,
-    AsJson,
-    Quiet,
-    asked,
-    option_name,
-    read_numbers,
-    with_options,
-)
+from slipfront.cli import options
 from slipfront.cli.scenes.completion import scene_names
 from slipfront.fits.data import gauges_and_notes
 from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
@@ -56,68 +48,58 @@ _PLACE = re.compile(r"([^=]+)=\s*(\w+)\s*@\s*([^,@]+(?:,[^,@]+)?)\Z")
 _PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$")
 
 
-@with_options(overrides=SCENE_OPTIONS)
+_OPTIONS: Mapping[str, Any] = {
+    "files": typer.Argument(metavar="FILE...", help="Records: tables of t, x, y and values."),
+    "scene_name": options.option(
+        "Scene or interface, by name or TOML file, for all that is not fitted.",
+        flag="--scene",
+        complete=scene_names,
+        metavar="SCENE",
+    ),
+    "parameters": options.option(
+        "Parameters to fit, such as friction,load_shear.", metavar="NAME,..."
+    ),
+    "noise": options.option(
+        "Standard deviation, such as 0.5um, of all samples whose unit it is, or of a quantity, "
+        "where no column gives it.",
+        metavar="[NAME=]NUMBER",
+    ),
+    "gauge": options.option(
+        "Quantity and place of a column, in tables with one column for each gauge, as "
+        "SG1=exx@20mm,3.5mm, or a TOML file of lines SG1 = 'exx@20mm,3.5mm'.",
+        metavar="NAME=QUANTITY@X,Y",
+    ),
+    "prior": options.option(
+        "friction=normal(mean,sd), or lognormal(median,factor) or uniform(low,high); numbers may "
+        "have units, as load_shear=normal(5MPa,1MPa).",
+        metavar="NAME=KIND(A,B)",
+    ),
+    "held": options.option(
+        "Value of t0, x0 or gain, such as t0=3us, if it is not fitted.",
+        flag="--setup",
+        metavar="NAME=NUMBER",
+    ),
+    "nodes": options.option("Nodes of one period, if the scene is on a line."),
+    "plot": options.option("Draw records, fit and parameters.", metavar="FILE"),
+    "output": options.option("Write the JSON of --json to a file.", metavar="FILE"),
+}
+
+
+@options.with_options(_OPTIONS, overrides=options.SCENE_OPTIONS)
 def fit_command(
     overrides: Mapping[str, Any],
-    files: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Records: tables of t, x, y and values.")
-    ],
-    scene_name: Annotated[
-        str,
-        typer.Option(
-            "--scene",
-            metavar="SCENE",
-            help="Scene or interface, by name or TOML file, for all that is not fitted.",
-            autocompletion=scene_names,
-        ),
-    ],
-    parameters: Annotated[
-        str,
-        typer.Option(metavar="NAME,...", help="Parameters to fit, such as friction,load_shear."),
-    ],
-    noise: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="[NAME=]NUMBER",
-            help="Standard deviation, such as 0.5um, of all samples whose unit it is, or of a "
-            "quantity, where no column gives it.",
-        ),
-    ] = None,
-    gauge: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=QUANTITY@X,Y",
-            help="Quantity and place of a column, in tables with one column for each gauge, as "
-            "SG1=exx@20mm,3.5mm, or a TOML file of lines SG1 = 'exx@20mm,3.5mm'.",
-        ),
-    ] = None,
-    prior: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=KIND(A,B)",
-            help="friction=normal(mean,sd), or lognormal(median,factor) or uniform(low,high); "
-            "numbers may have units, as load_shear=normal(5MPa,1MPa).",
-        ),
-    ] = None,
-    held: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--setup",
-            metavar="NAME=NUMBER",
-            help="Value of t0, x0 or gain, such as t0=3us, if it is not fitted.",
-        ),
-    ] = None,
-    nodes: Annotated[
-        int | None, typer.Option(help="Nodes of one period, if the scene is on a line.")
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Draw records, fit and parameters.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the JSON of --json to a file.")
-    ] = None,
-    as_json: AsJson = False,
-    quiet: Quiet = False,
+    files: list[Path],
+    scene_name: str,
+    parameters: str,
+    noise: list[str] | None = None,
+    gauge: list[str] | None = None,
+    prior: list[str] | None = None,
+    held: list[str] | None = None,
+    nodes: int | None = None,
+    plot: Path | None = None,
+    output: Path | None = None,
+    as_json: options.AsJson = False,
+    quiet: options.Quiet = False,
 ) -> None:
     """Fit parameters of a scene to the records of gauges.
 
@@ -133,7 +115,7 @@ def fit_command(
             raise SceneError("--nodes has no effect on a scene with a slot; leave it out.")
     names = tuple(number_name(scene, name) for name in names)
     known, of_setup = _priors(scene, prior or ()), {name: dimension(name, scene) for name in SETUP}
-    numbers: dict[str, Any] = read_numbers(scene, "setup", held or (), of_setup)
+    numbers: dict[str, Any] = options.read_numbers(scene, "setup", held or (), of_setup)
     gauges, notes, unread = gauges_and_notes(
         files, _noise(scene, noise or ()), scene, names, _places(scene, gauge or ())
     )
@@ -244,15 +226,15 @@ def _noise(scene: Scene, given: Sequence[str]) -> dict[str, float]:
     for text in given:
         name, _, number = text.rpartition("=")
         if name:
-            result |= read_numbers(scene, "noise", [text], QUANTITIES)
+            result |= options.read_numbers(scene, "noise", [text], QUANTITIES)
             continue
         kinds = [kind for kind in dict.fromkeys(QUANTITIES.values()) if _is_of(kind, number)]
         if not kinds:
             units = "; ".join(map(units_shown, dict.fromkeys(QUANTITIES.values())))
             raise SceneError(
-                f"{option_name('noise')} must be a number for all samples, such as 0.01, or one "
-                f"in a unit for those that have it ({units}), or NAME=NUMBER for one quantity, "
-                f"such as slip_rate=0.01, got {shown(number)}."
+                "--noise must be a number for all samples, such as 0.01, or one in a unit for "
+                f"those that have it ({units}), or NAME=NUMBER for one quantity, such as "
+                f"slip_rate=0.01, got {shown(number)}."
             )
         sizes = {kind: _measured(scene, "noise", number, kind) for kind in kinds}
         of_all = {"": sizes["1"]} if len(kinds) == len(set(QUANTITIES.values())) else {}
@@ -270,9 +252,9 @@ def _is_of(kind: str, number: str) -> bool:
     return True
 
 
-def _measured(scene: Scene, option: str, text: str, kind: str) -> float:
+def _measured(scene: Scene, name: str, text: str, kind: str) -> float:
     """Return a number that may have a unit of a dimension, in the units of the scene."""
-    number: float = asked(scene, option, measure(text, kind, si_size), kind)
+    number: float = options.asked(scene, name, measure(text, kind, si_size), kind)
     return number
 
 
@@ -281,7 +263,7 @@ def _places(scene: Scene, given: Sequence[str]) -> dict[str, tuple[Any, ...]]:
     listed: list[tuple[str, str]] = []
     for text in given:
         if "=" in text or not text.endswith(".toml"):
-            listed.append((option_name("gauge"), text))
+            listed.append(("--gauge", text))
             continue
         named = read_document(text)
         if not named:
@@ -328,6 +310,6 @@ def _priors(scene: Scene, given: Sequence[str]) -> dict[str, Prior]:
 
 def _no_prior(text: str) -> SceneError:
     return SceneError(
-        f"{option_name('prior')} must be NAME=KIND(A,B) with a kind among "
+        "--prior must be NAME=KIND(A,B) with a kind among "
         f"{', '.join(PRIORS)}, as friction=normal(0.3,0.1), got {text!r}."
     )

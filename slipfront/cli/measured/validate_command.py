@@ -25,20 +25,7 @@ from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.finding import find, scene_folder, scene_label
 from semianalytic.scene.tables.units import DIMENSIONS, EXAMPLES, si_size
 from semianalytic.scene.units import InSI
-from slipfront.cli import terminal
-from slipfront.cli.options import (
-    SCENE_OPTIONS,
-    AsJson,
-    FiguresForm,
-    asked,
-    measured_option,
-    option,
-    option_name,
-    optional,
-    read_numbers,
-    read_pair,
-    with_options,
-)
+from slipfront.cli import options, terminal
 from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
@@ -47,24 +34,26 @@ _UNITS = "Units and conventions of the file (of the scene, and as given, unless 
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
-    "length_unit": optional(str, _UNITS, "Unit of positions and slip, as mm.", metavar="UNIT"),
-    "time_unit": optional(str, _UNITS, "Unit of times, as µs.", metavar="UNIT"),
-    "stress_unit": optional(str, _UNITS, "Unit of tractions, as MPa.", metavar="UNIT"),
+    "length_unit": options.optional(
+        str, _UNITS, "Unit of positions and slip, as mm.", metavar="UNIT"
+    ),
+    "time_unit": options.optional(str, _UNITS, "Unit of times, as µs.", metavar="UNIT"),
+    "stress_unit": options.optional(str, _UNITS, "Unit of tractions, as MPa.", metavar="UNIT"),
 }
 CONVENTIONS: Mapping[str, Any] = {
-    "sign": optional(str, _UNITS, "Sense of slip and shear: as-given or reversed."),
-    "slip": optional(str, _UNITS, "relative, half, or face: that of one face."),
-    "pressure": optional(str, _UNITS, "Positive pressure: compression or tension."),
-    "tractions": optional(str, _UNITS, "total, or changes: those since t = 0."),
-    "rate": optional(
+    "sign": options.optional(str, _UNITS, "Sense of slip and shear: as-given or reversed."),
+    "slip": options.optional(str, _UNITS, "relative, half, or face: that of one face."),
+    "pressure": options.optional(str, _UNITS, "Positive pressure: compression or tension."),
+    "tractions": options.optional(str, _UNITS, "total, or changes: those since t = 0."),
+    "rate": options.optional(
         str, _UNITS, "Slip rate at its time, point, or the mean over the step before or after it."
     ),
-    "time_shift": optional(
+    "time_shift": options.optional(
         float, _UNITS, "Added to the times, in units of the scene [time].", dimension="time"
     ),
 }
 PLACES: Mapping[str, Any] = {
-    "scale": optional(
+    "scale": options.optional(
         list[str],
         _UNITS,
         "Unit of a column, as slip=um, or what it is multiplied by, as length=0.001.",
@@ -72,46 +61,56 @@ PLACES: Mapping[str, Any] = {
     ),
     "at": Annotated[
         list[float] | None,
-        measured_option("length", "Where the station of each file is, in its units.", _UNITS),
+        options.measured_option(
+            "length", "Where the station of each file is, in its units.", _UNITS
+        ),
     ],
-    "origin": optional(
+    "origin": options.optional(
         float,
         _UNITS,
         "Where the contact begins in the coordinates of the file.",
         dimension="length",
     ),
-    "column": optional(
+    "column": options.optional(
         list[str], _UNITS, "Name of a column, as slip_rate=V1.", metavar="NAME=COLUMN"
     ),
 }
 
 _OPTIONS: Mapping[str, Any] = {
     "results": typer.Argument(metavar="RESULT...", help="Files of another code; coarse to fine."),
-    "scene_name": option(
+    "scene_name": options.option(
         "Name of a scene, or a TOML file.", flag="--scene", complete=scene_names, metavar="SCENE"
     ),
-    "spacing": measured_option(
+    "spacing": options.measured_option(
         "length",
         "Distance of grid points on the interface, in the unit of x unless it has its own; "
         "once for each resolution. 0 for a gauge without extent, with --noise.",
     ),
-    "noise": option(
+    "noise": options.option(
         "Standard deviation of the samples of a quantity, such as slip=0.5um, in the "
         "unit of the file unless it has its own.",
         metavar="NAME=NUMBER",
     ),
-    "strict": option("Return 1 if conventions were inferred.", flag="--strict"),
-    "rate_from_slip": option("Make a slip rate of differences of slip.", flag="--rate-from-slip"),
-    "threshold": measured_option(
+    "strict": options.option("Return 1 if conventions were inferred.", flag="--strict"),
+    "rate_from_slip": options.option(
+        "Make a slip rate of differences of slip.", flag="--rate-from-slip"
+    ),
+    "threshold": options.measured_option(
         "length / time",
         "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
     ),
-    "output": option("Folder to write to; by default results/SCENE-validation.", metavar="DIR"),
+    "output": options.option(
+        "Folder to write to; by default results/SCENE-validation.", metavar="DIR"
+    ),
 }
 
 
-@with_options(
-    _OPTIONS, overrides=SCENE_OPTIONS, units=UNIT_OPTIONS, conventions=CONVENTIONS, places=PLACES
+@options.with_options(
+    _OPTIONS,
+    overrides=options.SCENE_OPTIONS,
+    units=UNIT_OPTIONS,
+    conventions=CONVENTIONS,
+    places=PLACES,
 )
 def validate_command(
     overrides: Mapping[str, Any],
@@ -126,8 +125,8 @@ def validate_command(
     rate_from_slip: bool = False,
     threshold: float | None = None,
     output: Path | None = None,
-    figures: FiguresForm = "png",
-    as_json: AsJson = False,
+    figures: options.FiguresForm = "png",
+    as_json: options.AsJson = False,
 ) -> None:
     """Compare what another code recorded on the interface with the exact answer.
 
@@ -142,12 +141,12 @@ def validate_command(
     scene = override_scene(find(scene_name), **overrides)
     label = scene_label(scene_name)
     for size in spacing or ():
-        asked(scene, "spacing", size, "length")
-    asked(scene, "threshold", threshold, "length / time")
-    asked(scene, "time_shift", conventions.get("time_shift"), "time")
+        options.asked(scene, "spacing", size, "length")
+    options.asked(scene, "threshold", threshold, "length / time")
+    options.asked(scene, "time_shift", conventions.get("time_shift"), "time")
     said = Conventions(
         scale=_scales(units, places.get("scale", ())),
-        noise=read_numbers(scene, "noise", noise or (), NOISES),
+        noise=options.read_numbers(scene, "noise", noise or (), NOISES),
         rate_from_slip=rate_from_slip,
         threshold=threshold,
         **conventions,
@@ -156,7 +155,7 @@ def validate_command(
     reading = ReadingOptions(
         tuple(_in_file("at", place, units) for place in places.get("at", ())),
         _in_file("origin", places.get("origin", 0.0), units),
-        dict(read_pair("column", text, "a column", "slip_rate=V1") for text in columns),
+        dict(options.read_pair("column", text, "a column", "slip_rate=V1") for text in columns),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
     records = read_records(results, reading)
@@ -181,8 +180,8 @@ def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
         size = si_size(name, kind)
         if size is None:
             raise SceneError(
-                f"{option_name(unit)} must be a unit of {kind} such as {EXAMPLES[kind]}, got "
-                f"{name!r}."
+                f"{options.option_name(unit)} must be a unit of {kind} such as {EXAMPLES[kind]}, "
+                f"got {name!r}."
             )
         sizes[kind] = size
     for text in scale:
@@ -202,21 +201,21 @@ def _scale(name: str, number: str, text: str) -> float:
         size = si_size(number, dimension) if dimension else None
         if size is None:
             raise SceneError(
-                f"{option_name('scale')} must be a name and a unit or number, as slip=um or "
-                f"length=0.001, got {text!r}."
+                "--scale must be a name and a unit or number, as slip=um or length=0.001, got "
+                f"{text!r}."
             ) from None
         return size
 
 
-def _in_file(option: str, place: float, units: Mapping[str, str]) -> float:
+def _in_file(name: str, place: float, units: Mapping[str, str]) -> float:
     """Return a position in the unit of a file, which --length-unit gives."""
     if not isinstance(place, InSI):
         return place
     size = si_size(units.get("length_unit", ""), "length")
     if size is None:
         raise SceneError(
-            f"{option_name(option)} has a unit, and the numbers of the file may be in another; "
-            "name theirs by --length-unit, or give a number alone in the unit of the file."
+            f"{options.option_name(name)} has a unit, and the numbers of the file may be in "
+            "another; name theirs by --length-unit, or give a number alone in the unit of the file."
         )
     return place / size
 
@@ -250,5 +249,5 @@ def _reading_lines(validation: Validation) -> Iterator[str]:
     if found.left < found.as_given:
         left, as_given = (f"{100 * part:.2g} %" for part in (found.left, found.as_given))
         yield f"This leaves {left} of a quantity at most, as given {as_given}."
-    pairs = found.stating.items()
-    yield "To state it: " + " ".join(f"{option_name(name)} {value}" for name, value in pairs)
+    stated = (f"{options.option_name(name)} {word}" for name, word in found.stating.items())
+    yield f"To state it: {' '.join(stated)}"

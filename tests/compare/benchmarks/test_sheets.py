@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.benchmarks import answers, export
+from compare.benchmarks import answers, pages
 from compare.benchmarks.answers import (
     answer_to,
     arrival_level,
@@ -226,7 +226,7 @@ def test_a_sheet_without_classes_scores_its_own_answer(name, tmp_path):
 def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):
     (tmp_path / "sheets").mkdir()
     (tmp_path / "sheets" / "notes.txt").write_text("mine")
-    write, done = export.write_bytes, []
+    write, done = pages.write_bytes, []
 
     def full(path, data):
         if len(done) == 5:
@@ -234,10 +234,10 @@ def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):
         done.append(path)
         write(path, data)
 
-    monkeypatch.setattr(export, "write_bytes", full)
-    monkeypatch.setattr(export, "exported", lambda _: {f"{n}/{n}": b"1" for n in range(9)})
+    monkeypatch.setattr(pages, "write_bytes", full)
+    monkeypatch.setattr(pages, "exported", lambda _: {f"{n}/{n}": b"1" for n in range(9)})
     for place in ("sheets", "new/sheets"):
         done.clear()
         with pytest.raises(DataFileError, match="no room"):
-            export.export(tmp_path / place, [])
+            pages.export(tmp_path / place, [])
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["notes.txt", "sheets"]

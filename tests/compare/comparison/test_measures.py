@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.comparison.measures import norm, onset_time, relative_error
+from compare.comparison.measures import first_above, norm, relative_error
 from compare.comparison.scales import (
     scene_fronts,
     slip_rate_scale,
@@ -83,13 +83,13 @@ def test_what_stays_below_the_threshold_or_on_one_node_is_no_zone():
 @pytest.mark.parametrize(
     ("slip_rate", "onset"),
     [
-        ([0, 0, -0.2, -0.9], pytest.approx(0.225)),  # between the samples around it
+        ([0, 0, 0.2, 0.9], pytest.approx(0.225)),  # between the samples around it
         ([1.0, 1.0, 1.0, 1.0], 0.1),  # slip that is there already
         ([0, 0, 0, 0], None),
     ],
 )
 def test_onset_of_slip(slip_rate, onset):
-    assert onset_time(np.array([0.1, 0.2, 0.3, 0.4]), np.array(slip_rate), 0.05) == onset
+    assert first_above(np.array([0.1, 0.2, 0.3, 0.4]), np.array(slip_rate), 0.05) == onset
 
 
 # --- reference values and names of speed ranges ---------------------------------------------------

@@ -18,7 +18,7 @@ from compare.tasks.workers import run_tasks
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import ComputationError
 from slipfront.cli.commands import main
-from slipfront.cli.endings.interruption import INTERRUPTION
+from slipfront.cli.endings.faults import INTERRUPTION
 
 PATIENCE = 120
 """Time that a test waits for a process that should end at once [s]; longer is a failure."""

@@ -8,8 +8,7 @@ from catalogue import solved
 
 from compare.records.record import Stated, Unit
 from compare.validation import Conventions, validate
-from compare.validation.data import as_runs
-from compare.validation.validation import CONVERTED
+from compare.validation.validation import CONVERTED, as_runs
 from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.finding import find_scene

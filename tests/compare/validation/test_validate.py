@@ -9,7 +9,7 @@ from catalogue import solved
 from compare.records.record import QUANTITIES, Records, Stated, Unit
 from compare.validation import Conventions, validate
 from compare.validation.bars import MEAN_NOISE, Bar, noise_mean, pooled_bar
-from compare.validation.data import as_runs
+from compare.validation.validation import as_runs
 from docs.studies.trials.validate import SPOILS, history_arrays
 from semianalytic import (
     Contact,

@@ -163,7 +163,7 @@ def test_checkpoint_that_finds_no_room_ends_no_run(how, whole, tmp_path):
 def test_checkpoint_wanted_now_is_an_error_if_it_cannot_be_written(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     keeper = Keeper(tmp_path / "file" / "checkpoint.h5", Pace(), {})
-    empty = SimpleNamespace(step=3, frames=(), arrays={})
+    empty = SimpleNamespace(step=3, frames=(), parts={})
     monkeypatch.setattr("fem.checkpoint.take_checkpoint", lambda *state: empty)
     with pytest.raises(DataFileError, match="Cannot write"):
         keeper.step_done(3, SimpleNamespace(steps=9), None, [], True)

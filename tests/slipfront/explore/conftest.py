@@ -2,7 +2,7 @@
 
 import pytest
 
-from slipfront.explore.work import Worker
+from slipfront.explore.jobs import Worker
 
 
 @pytest.fixture

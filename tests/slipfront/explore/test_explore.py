@@ -20,11 +20,10 @@ from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 from slipfront.explore import controls, jobs, maps, views
 from slipfront.explore.board import Board
-from slipfront.explore.jobs import Moment, marched_field, moment_in
+from slipfront.explore.jobs import Moment, Worker, marched_field, moment_in
 from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, NO_FIELD, Session
 from slipfront.explore.pictures import SHADES, SpaceTimePicture
 from slipfront.explore.serving import make_server
-from slipfront.explore.work import Worker
 
 STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"

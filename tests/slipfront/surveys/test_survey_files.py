@@ -12,7 +12,7 @@ from faults import FULL, ROOT, flip_bits, full_disk, randomness, start
 
 from semianalytic.scene.errors import DataFileError
 from slipfront.surveys import run, survey
-from slipfront.surveys.store import store_folder
+from slipfront.surveys.run import store_folder
 
 VALUES = {"friction": [0.1, 0.3, 0.9], "poisson_ratio": [0.2, 0.4], "base_pressure": [1.0, -1.0]}
 CHUNK = 4

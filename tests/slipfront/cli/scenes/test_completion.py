@@ -5,9 +5,9 @@ import re
 import packages
 import pytest
 
-from compare.figures.named import OWN_FIGURES
+from compare.figures.named import DEFAULT_FIGURE
 from compare.figures.quantities import QUANTITIES, find_quantity
-from fem.elements.families import FAMILIES
+from fem.elements.assembly import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find
 from semianalytic.methods import chosen
@@ -106,7 +106,7 @@ def test_names_are_those_of_the_functions_that_take_them():
     for name in completion.QUANTITIES:
         find_quantity(name, antiplane if name.endswith("z") else preloaded, None)
     assert set(QUANTITIES) <= set(completion.QUANTITIES)
-    assert tuple(OWN_FIGURES) == completion.FIGURES
+    assert (DEFAULT_FIGURE,) == completion.FIGURES
     assert completion.MODES == MODES
     assert completion.LOADED == LOADED
     assert completion.MESH_NAMES["mesh"] == PATTERNS == tuple(FAMILIES)
