@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.benchmarks.answers import checksums
 from compare.benchmarks.scores import score
@@ -29,9 +28,9 @@ from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
 from semianalytic import Marched, solve
+from semianalytic.arrays import Array
 from semianalytic.scene.given.finding import find_scene
 
-Array = NDArray[np.float64]
 Fields = Mapping[str, Array]
 
 DOCS = Path(__file__).resolve().parents[1]

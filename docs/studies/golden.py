@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import track
 
 import semianalytic as sa
 from compare.tasks.workers import run_tasks
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen
@@ -44,7 +44,6 @@ NAMED_NODES, NODES, RUN_NODES = 400, 200, 512
 RUN_TIME = {"rate-and-state": 0.2, "cattaneo": 0.1, "supershear": 0.5, "tpv101": 0.5}
 """Parts of their end times until which long runs of interfaces are made."""
 
-Array = NDArray[np.float64]
 Answer = dict[str, Any]
 """Words, and hexadecimal digits of numbers, by the name of what they say."""
 Random = np.random.Generator

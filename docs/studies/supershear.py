@@ -15,16 +15,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from compare.figures.style import BLACK, SMALL, outline
 from docs.studies.lines import scene_along
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import InterfaceLoad, Material, Scene, SlipWeakening
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import STEP_RATIO
-
-Array = NDArray[np.float64]
 
 SOLID = Material(1.0, 1.0, 0.25)
 SUB_RAYLEIGH, SUPERSHEAR = "sub-Rayleigh", "supershear"

@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
-from semianalytic.halfplane.rayleigh import Array
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
 _LAWFUL = -1.0

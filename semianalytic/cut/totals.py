@@ -8,9 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.running import LEAST_SHARE, Power
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
 
 EARLIEST = 1e-200

@@ -25,6 +25,7 @@ from typing import Self
 
 import numpy as np
 
+from semianalytic.arrays import Array, Complex
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.load import Load, normal_load, per_set
 from semianalytic.cut.quadrature.laying import lay_panels
@@ -32,9 +33,8 @@ from semianalytic.cut.quadrature.layout import Layout, Zone, lies_between, outli
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, finer_rule
-from semianalytic.scene.arrays import Complex
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 
 Values = NDArray[Any]
 """Values that are real, or complex off the cut."""

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -19,7 +20,6 @@ from semianalytic.dissimilar_slot.densities.profile import (
     PairProfile,
     ProfilePart,
 )
-from semianalytic.halfplane.rayleigh import Array
 
 Kind = Literal["excess", "pull", "reversed", "overlap"]
 

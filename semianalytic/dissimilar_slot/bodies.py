@@ -19,6 +19,7 @@ from functools import cached_property, partialmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Complex
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for, tolerance_of
@@ -28,7 +29,7 @@ from semianalytic.field.body import Quantity, Sent, checked_points, fields_of, p
 from semianalytic.field.cells import Primitives
 from semianalytic.field.sources import Source
 from semianalytic.field.waves import Slowness, plane_wave, radiated
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.scene.scene import Scene
 
 _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])

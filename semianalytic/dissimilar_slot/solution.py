@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
@@ -20,7 +21,6 @@ from semianalytic.dissimilar_slot.densities.profile import (
     PairProfile,
 )
 from semianalytic.dissimilar_slot.densities.zones import MovingZone
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units

@@ -16,7 +16,6 @@ from itertools import repeat
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.estimate import judged
@@ -34,7 +33,6 @@ from semianalytic.scene.scene import Scene
 BYTES_STORED = 32
 """Bytes per observed node and stored level: four fields."""
 
-Array = NDArray[np.float64]
 Part = tuple[ContactGrid, SlotLayout]
 """Nodes and layout of a march beside a slot, or of its companion."""
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.grid_edge import (
     MOST_NODES,
     EdgeReading,
@@ -25,8 +26,6 @@ from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERR
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes
-
-Array = NDArray[np.float64]
 
 SMALLEST = 1e-300
 """Least divisor of a relative error, where nothing slips."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.beside_edges import EdgeNodes, film_share
 from semianalytic.engine.convergence import MEMORY_SAFETY, NARROW, Tried, order_seen, safety
 from semianalytic.engine.marched import Marched
@@ -21,8 +22,6 @@ from semianalytic.engine.stepping.tuning import LEAST_GAP, LEAST_ZONE, ZONE_NODE
 from semianalytic.engine.stepping.window import doubt_of
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def estimated(

@@ -14,8 +14,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.loads import FreeFaces, front_of
@@ -23,8 +23,6 @@ from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
-
-Array = NDArray[np.float64]
 
 MARGIN = 1.05
 """How far behind the edge fields are known, over the distance that waves travel."""

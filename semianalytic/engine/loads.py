@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
@@ -38,8 +38,6 @@ TABLE_SAMPLES = 2
 """Samples of the table per time step, so that a kink is spread over half a step."""
 TABLE_ROWS = 64
 """Nodes whose responses are convolved at once, to stay in the cache."""
-
-Array = NDArray[np.float64]
 
 
 def table_bytes(scene: Scene, count: int, steps: float) -> float:

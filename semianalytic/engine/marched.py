@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
@@ -31,8 +32,6 @@ from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 MOST_OFF = 0.1
 """Largest error of the work of stored levels, over that of all steps, with which they add up."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.resolution import check_weakening_seen
 from semianalytic.engine.stepping import line as stepping_line
@@ -20,8 +20,6 @@ from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

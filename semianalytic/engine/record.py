@@ -8,8 +8,8 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.nodes import MarchCheckpoint
@@ -18,8 +18,6 @@ from semianalytic.engine.stepping.state import Extremes, State
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 
 class MarchRecord:

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.engine.stepping.pace import TURN_RATIO, nodes_following
 from semianalytic.halfplane.stuck import front_share
@@ -29,8 +28,6 @@ ZONE_NODES = 5.0
 """Nodes of a resolved zone: work is 1.3 to 1.9 % off, and estimates of 0.38 stay below 0.5."""
 WEAKENING_NODES = 8.0
 """Nodes in the process zone: slip is off by 0.1 % with 8, its rate by 2 %, and by 9 % with 3."""
-
-Array = NDArray[np.float64]
 
 
 def nodes_for_loads(

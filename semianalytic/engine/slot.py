@@ -8,8 +8,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
 from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import CUT, Span, reached_at
@@ -25,8 +25,6 @@ SINGLE_SIZE = 4096
 themselves.  Beyond, the lowest eighth of wavenumbers has double precision: they change by 3e-8."""
 SINGLE_RATES = 1e-20, 1e20
 """Slip rates [length / time] within single precision, 1e-38 to 3e38, with all their sums."""
-
-Array = NDArray[np.float64]
 
 
 class SlotLine(ClosedLine):

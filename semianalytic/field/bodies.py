@@ -8,6 +8,7 @@ from functools import cached_property, partial, partialmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
@@ -24,7 +25,7 @@ from semianalytic.field.cells import Primitives
 from semianalytic.field.plane_wave import plane_wave
 from semianalytic.field.sources import LikeBody
 from semianalytic.field.transform import Transform
-from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.incident import IncidentWave

@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors
+from semianalytic.arrays import Array
+from semianalytic.halfplane.rayleigh import RayleighFactors
 
 
 def impedance_on_axis(factors: RayleighFactors, eta: Array) -> Array:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Material, Tractions

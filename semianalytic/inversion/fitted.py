@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import Gauge
 from semianalytic.inversion.quoted import Quoted, quoted
 from semianalytic.inversion.samples import Samples

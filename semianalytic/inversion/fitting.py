@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import Gauge, check_gauge
 from semianalytic.inversion.intervals import intervals

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.search import WORTH, Minimum
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.verdict import LARGEST_CONDITION

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.stepping.line import with_period
 from semianalytic.engine.stepping.tuning import NODES
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials

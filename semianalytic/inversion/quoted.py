@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.trials import FINER_SAFETY, Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.reading import Measured

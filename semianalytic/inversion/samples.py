@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, component, seen
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.selfsimilar.derivatives.derivative import Derivative

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import is_of_setup
 

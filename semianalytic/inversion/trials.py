@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import scaled_load
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples

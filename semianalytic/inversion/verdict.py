@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.inversion.search import Minimum
 from semianalytic.inversion.trials import Trials
 from semianalytic.scene.errors import ComputationError

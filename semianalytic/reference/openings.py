@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.arrays import Array
+from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.reference.closed_forms import (
     over_shear_speed,
     rate_from_contact_edge,

@@ -20,14 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import (
-    Array,
-    CutPoints,
-    Mode,
-    RayleighFactors,
-    rayleigh_factors,
-)
+from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.reference.antiplane import antiplane_edge_speed
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,

@@ -10,10 +10,11 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes.thresholds import (
     NEGLIGIBLE,
     RULE,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times

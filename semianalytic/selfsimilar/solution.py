@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.slot_faces import SlotFaces
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.gridded import AnswerInBodies

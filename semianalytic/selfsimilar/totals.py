@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import (
     contact_integral,
@@ -20,7 +21,6 @@ from semianalytic.cut.totals import (
     largest_slip_over_time,
     slipped_rate,
 )
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.intervals import finite_times
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.errors import SceneError

@@ -21,11 +21,12 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import LEAST_BASE, Load, Opened, normal_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError

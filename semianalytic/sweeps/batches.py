@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.selfsimilar.zones.coulomb import admissible
 from semianalytic.selfsimilar.zones.edges import Edges, moves

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import common_load, per_set, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
-from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.scene.scene import Tractions

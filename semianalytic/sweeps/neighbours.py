@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 
 
 @dataclass(frozen=True)

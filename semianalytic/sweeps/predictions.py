@@ -11,10 +11,10 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar.zones.coulomb import admissible
 from semianalytic.selfsimilar.zones.edges import moves

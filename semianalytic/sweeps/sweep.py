@@ -13,7 +13,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.results.datasets import QUANTITIES, attributes
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.checks import checked_number

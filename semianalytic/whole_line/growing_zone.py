@@ -21,7 +21,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.arrays import Array
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.arrays import Array
 from semianalytic.results.answer import checked_arrival
 from semianalytic.results.intervals import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
     over_axis,
@@ -25,7 +26,7 @@ from semianalytic.halfplane.imaginary_axis import (
     static_remainder,
 )
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.errors import SceneError
 

@@ -11,18 +11,17 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid, quad
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
 from docs.studies.runner import Row, Study, main
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth, supershear_strength
 
-Array = NDArray[np.float64]
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT, SOLID = sf.Material(1.0, 1.0, 0.25), sf.Material(1.0, 1.0, 1 / 3)
 SIDES: tuple[tuple[str, Mode, Impedance], ...] = (

@@ -13,7 +13,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
 from compare.comparison.judgement import side_by_side
@@ -24,8 +23,7 @@ from compare.figures.snapshots import snapshot_figure
 from docs.studies.runner import Point, Row, Study, main, number
 from fem import Simulation, simulate
 from semianalytic import Solution, find, solve
-
-Array = NDArray[np.float64]
+from semianalytic.arrays import Array
 
 DRAWN = "lift-off-shear"
 MESHES = 50, 100, 200

@@ -13,15 +13,13 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 import semianalytic as sf
 from compare.comparison.measures import relative_error
 from docs.studies.runner import Point, Row, Study, main
+from semianalytic.arrays import Array
 from semianalytic.results.answer import Answer
 from semianalytic.scene.contact import process_zone
-
-Array = NDArray[np.float64]
 
 SELF_SIMILAR = ("preloaded", "remote-shock", "auxetic", "antiplane")
 IN_PROCESS_ZONE, FINEST_IN_PROCESS_ZONE = (2, 3, 4, 6, 8, 12, 16, 24), 64

@@ -18,18 +18,16 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from docs.studies.article.kernels import SlipHistory, interface_traction
 from docs.studies.article.prescribed import slipping_half_plane
 from docs.studies.runner import Row
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions, solve
+from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import REMOTE
-
-Array = NDArray[np.float64]
 
 END_TIME, SHEAR_SPEED = 0.01, 5.0
 LOW_FRICTION = 0.01

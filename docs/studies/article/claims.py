@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from docs.studies.article.cases import LOW_FRICTION, RATIOS, SHEAR_SPEED, Case, Cases, article_scene
 from docs.studies.article.published import (
@@ -21,8 +20,6 @@ from docs.studies.runner import Row
 from semianalytic import solve
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.zones.motion import SlipZone
-
-Array = NDArray[np.float64]
 
 HOLDS, FAILS, PARTLY, SILENT = "holds", "fails", "in part", "no answer"
 METHODS = ("published", "exact", "finite_elements")

@@ -17,9 +17,9 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from docs.studies.article.kernels import SlipHistory
 from semianalytic import Material
+from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import Mode
 
-Array = NDArray[np.float64]
 _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 
 

@@ -19,8 +19,9 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from docs.studies.article.kernels import square_root_panels
+from semianalytic.arrays import Array
 from semianalytic.halfplane.primitives import stuck_primitive
-from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import (
     ARCTAN_SERIES,
     NEAR_FRONT,

@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import semianalytic as sf
 from docs.studies.pages import DATA, read_data
 from docs.studies.runner import Row, write_table
+from semianalytic.arrays import Array
 
-Array = NDArray[np.float64]
 FILE = DATA / "peers.csv"
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
@@ -19,7 +19,6 @@ from semianalytic.regimes import Loading, scene_of
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.collocation import lemke, slip_grid
 
-Array = NDArray[np.float64]
 PLACEMENTS = ("galerkin", "nodes", "midpoints")
 _GAUSS = 6
 _MOST_ROUNDS = 200

@@ -17,15 +17,13 @@ from typing import Any
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 import semianalytic as sf
 from docs.studies.runner import Row, Study, main
 from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import Solution
+from semianalytic.arrays import Array
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
-
-Array = NDArray[np.float64]
 
 SCENES, SEED = 5000, 3
 FINE = {"constant": 1e-12, "Coulomb": 1e-9, "RateWeakening": 1e-9}

@@ -9,16 +9,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
+from semianalytic.arrays import Array
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
 from semianalytic.scene.loading import REMOTE, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
-
-Array = NDArray[np.float64]
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.45, -0.5)
 

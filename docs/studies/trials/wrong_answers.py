@@ -9,17 +9,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import semianalytic as sf
 from fem import Simulation
 from fem.lines import LineSimulation
+from semianalytic.arrays import Array
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loading import SLOT
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

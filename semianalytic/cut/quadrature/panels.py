@@ -19,9 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.layout import Layout, Pairs
 from semianalytic.halfplane.lazily import cached_property
-from semianalytic.halfplane.rayleigh import Array, CutPoints, from_front
+from semianalytic.halfplane.rayleigh import CutPoints, from_front
 from semianalytic.halfplane.rules import Rule
 
 MANY_NODES = 1.2e7

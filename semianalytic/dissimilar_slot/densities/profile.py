@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar.table import (
     Intervals,
@@ -24,7 +25,6 @@ from semianalytic.dissimilar.table import (
 from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
 from semianalytic.dissimilar_slot.densities.poles import Pole
 from semianalytic.dissimilar_slot.densities.zones import edges_of
-from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import sinc_step
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)

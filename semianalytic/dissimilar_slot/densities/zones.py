@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.halfplane.rayleigh import Array
 
 
 @dataclass(frozen=True)

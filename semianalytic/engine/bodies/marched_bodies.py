@@ -18,6 +18,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.bodies.motion import Levels, Motion
 from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between, steady
 from semianalytic.engine.stepping.line import Grid
@@ -33,7 +34,6 @@ from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 STEPS = 0.3, 0.8

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from semianalytic.arrays import Array, Complex
+
 Single = NDArray[np.float32]
 
 MOST_VALUES = 1 << 24

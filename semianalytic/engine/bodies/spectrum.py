@@ -12,12 +12,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array, Complex
 from semianalytic.engine.bodies.motion import Levels
 from semianalytic.engine.bodies.transfer import decays, potentials
 from semianalytic.scene.scene import Material
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Asked = Literal["velocity", "displacement", "strain"]
 
 BLOCK = 1 << 14

@@ -18,12 +18,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Drive = tuple[Any, Any]
 """Phi and Psi that a unit rate makes, complex arrays."""
 

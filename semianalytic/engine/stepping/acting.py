@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
@@ -18,8 +19,6 @@ from semianalytic.scene.laws.sampling import moving, sampled
 from semianalytic.scene.line.fields import at_nodes
 from semianalytic.scene.line.loads import InterfaceLoad
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 class ActingLoads:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.blocks import (
     BLOCK_STEPS,
     ClosedLine,
@@ -23,8 +24,6 @@ from semianalytic.engine.stepping.blocks import (
     Reached,
 )
 from semianalytic.engine.stepping.state import State
-
-Array = NDArray[np.float64]
 
 CUT = 1e-9
 """Steps that almost reach a stop, by so much of their length, are stretched to it: no sliver is

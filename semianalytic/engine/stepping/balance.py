@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import area_means
 from semianalytic.scene.laws.law import Law
-
-Array = NDArray[np.float64]
 
 
 class Balance:

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import check_feedback, damped
@@ -19,8 +20,6 @@ from semianalytic.scene.laws.law import Law
 
 BLOCK_STEPS = 64
 """Steps that are recorded at once: 16 take 1.2 times as long, 256 as long (256 nodes)."""
-
-Array = NDArray[np.float64]
 
 
 class Level(NamedTuple):

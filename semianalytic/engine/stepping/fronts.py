@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.halfplane.hilbert import comes_back, transformed
 from semianalytic.scene.errors import SceneError
@@ -16,8 +16,6 @@ from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.tuning import LARGEST_HORIZON
 from semianalytic.memory.cosines import cosines, from_cosines
@@ -19,8 +19,6 @@ from semianalytic.memory.line_memory import Kernels, LineMemory
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.line.loads import InterfaceLoad
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def grid_of(scene: Scene, nodes: int, shift: float | None = None, held: float = 0.0) -> Grid:

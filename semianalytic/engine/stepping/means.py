@@ -8,12 +8,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 LARGEST_FEEDBACK = 0.95
 """Largest feedback of the shortest wave: the iteration of a step diverges from 1 on."""
-
-Array = NDArray[np.float64]
 
 
 def area_means(

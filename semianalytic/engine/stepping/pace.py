@@ -9,16 +9,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.fronts import ActingFront, acting_loads
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tabulated import Tabulated
-
-Array = NDArray[np.float64]
 
 TURN_RATIO = 0.5
 """Steps c_t dt / h by which turns of loads are measured, whatever the steps of a march."""

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.unilateral import Faces
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
 from semianalytic.engine.stepping.advance import Span
@@ -31,8 +32,6 @@ from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.contact import Adhesion
 from semianalytic.scene.line.fields import required
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 class Stepper(ClosedLine):

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.line.contact import Adhesion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

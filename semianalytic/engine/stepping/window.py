@@ -13,14 +13,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stability import sliding_stability
 from semianalytic.dissimilar.thresholds import growth_threshold
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
-
-Array = NDArray[np.float64]
 
 _SHARE = 1e-6
 """Relative change of pressure by which friction is measured."""

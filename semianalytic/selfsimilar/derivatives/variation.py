@@ -15,13 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.node_fields import SECOND_ORDER, NodeFields, Stencil, stencils
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.rates import Rates
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning

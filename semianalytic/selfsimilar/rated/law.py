@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Layout
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.scene import Scene
