@@ -57,17 +57,9 @@ def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
 
 
 class SceneTractions:
-    """The tractions of each kick under a scene's load, on its contact and slot.
+    """The tractions of each kick under a scene's load, on the nodes of its contact and slot.
 
-    Parameters
-    ----------
-    scene : Scene
-    step : float
-        dt [time].
-    steps : int
-        Number of kicks after the first one.
-    contact_x, slot_x : arrays
-        Positions of the nodes that bear tractions of the contact and of the slot [length].
+    The time step is dt [time], and steps are the kicks after the first one.
     """
 
     def __init__(

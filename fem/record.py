@@ -31,10 +31,6 @@ class MeshRecord:
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
     the contact are those of every step.  The edge node is left out of the interface and of the
     largest slip: part of its mass belongs to the slot, and its motion does not converge.
-
-    Parameters
-    ----------
-    model : Model
     """
 
     def __init__(self, model: Model) -> None:
