@@ -304,33 +304,8 @@ class Simulation(SampledAnswer):
 
 @checking
 def load_simulation(directory: str | Path) -> Simulation:
-    """Read the simulation that `Simulation.save` wrote into a folder.
-
-    Parameters
-    ----------
-    directory : path
-        Folder of `simulation.h5`.
-
-    Returns
-    -------
-    Simulation
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing, damaged or not a simulation.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from fem import simulate
-    >>> from fem.results import load_simulation
-    >>> from semianalytic import find
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     simulate(find("preloaded"), resolution=8).save(folder)
-    ...     load_simulation(folder).resolution
-    8
-    """
+    """Read the simulation that `Simulation.save` wrote into a folder; DataFileError if its file is
+    missing, damaged or not a simulation."""
     path = Path(directory) / FILE_NAME
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the folder of a finished simulation.")
