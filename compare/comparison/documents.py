@@ -29,7 +29,7 @@ from semianalytic.scene.given.parameters import (
     load_parameters,
     part_parameters,
 )
-from semianalytic.scene.kinds import HISTORY_FIELDS
+from semianalytic.scene.tabulated import HISTORY_FIELDS
 from semianalytic.scene.units import PARAMETERS, unit
 
 if TYPE_CHECKING:  # a solution is printed without what marches

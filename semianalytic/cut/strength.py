@@ -16,13 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import traction_of
+from semianalytic.scene.arrays import Complex
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ class PressurePart:
         return np.asarray(self.amount_on(panels) * self.mode_ratio[0][panels])
 
     @property
-    def on_slip(self) -> NDArray[np.complex128]:
+    def on_slip(self) -> Complex:
         """A(-v + i0) at the nodes of panels that slip, (s, ..., n)."""
         canonical, slip = self.canonical, self.canonical.layout.slip
         factors, at = canonical.factors, canonical.panels.at[slip]

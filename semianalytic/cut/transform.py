@@ -24,7 +24,6 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.load import Load, normal_load, per_set
@@ -35,6 +34,7 @@ from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.scene.arrays import Complex
 
 
 @dataclass(frozen=True)
@@ -252,7 +252,7 @@ class ZoneTransform(GivenZones):
         return result
 
     @cached_property
-    def transform(self) -> NDArray[np.complex128]:
+    def transform(self) -> Complex:
         """T(-v + i0) itself at the nodes of all panels, (p, ..., n)."""
         canonical, panels = self.canonical, self.panels
         own = self.factors.impedance_on_cut(panels.at) / (self.factors.kappa * canonical.m_plus)

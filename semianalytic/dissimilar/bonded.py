@@ -13,12 +13,10 @@ import cmath
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Complex
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.material import Material
-
-Complex = NDArray[np.complex128]
 
 
 class BondedWave(NamedTuple):

@@ -21,13 +21,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.arrays import Complex
 from semianalytic.scene.scene import Material
-
-Complex = NDArray[np.complex128]
-
 
 LEAST_CONTRAST = 1e-6
 """Contrast below which no wave grows: it would by 1.1 times it at most; rounding hides 1e-7."""

@@ -18,12 +18,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors, exponential, log_factor
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from semianalytic.scene.arrays import Array, Complex, Mask
 
 MOST_NODES = 512
 """Largest number of nodes that are read: the next one's factor is 1 to 2e-3 for beta = 0.3."""
@@ -107,7 +104,7 @@ def edge_factors(beta: float) -> tuple[float, Complex, Complex]:
 
 
 def zone_beside_edge(
-    change: Array, strength: Array, where: NDArray[np.bool_], spacing: float, compliance: float
+    change: Array, strength: Array, where: Mask, spacing: float, compliance: float
 ) -> tuple[Array, Array]:
     """Return length and area of slip, or of an opening, near an edge whose first node is closed.
 

@@ -22,11 +22,9 @@ from numpy.typing import NDArray
 
 from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.dissimilar.thresholds import stoneley_speed
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

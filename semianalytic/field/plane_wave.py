@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.dissimilar.bonded import bonded_waves, stresses
 from semianalytic.halfplane.hilbert import analytic
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material
-
-Array = NDArray[np.float64]
 
 
 def plane_wave(

@@ -20,13 +20,11 @@ from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-
-Complex = NDArray[np.complex128]
+from semianalytic.scene.arrays import Complex
 
 
 @dataclass(frozen=True)

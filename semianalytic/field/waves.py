@@ -28,11 +28,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors
-
-Complex = NDArray[np.complex128]
+from semianalytic.scene.arrays import Complex
 
 SHEAR = 0
 """Row of `densities` that holds S_v."""

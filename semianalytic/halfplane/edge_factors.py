@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from semianalytic.scene.arrays import Array
 
 _CIRCLE = 1 << 16
 _NODES = 512

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import (
@@ -26,6 +26,7 @@ from semianalytic.halfplane.rayleigh import (
     rayleigh_factors,
 )
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
+from semianalytic.scene.arrays import Complex
 
 _ENDS = (-0.999, -0.95, -0.8, -0.5, -0.2, 0.05, 0.2, 0.32, 0.4, 0.44, 0.47, 0.485)
 """Poisson ratios between which tables are interpolated; beyond them each table is computed."""
@@ -83,7 +84,7 @@ class RayleighFamily(RayleighFactors):
         root = np.sqrt((-e1 + np.sqrt(np.asarray(e1 * e1 - 4 * e0, dtype=complex))) / 2)
         return root.real + 1j * np.abs(root.imag)
 
-    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
+    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> Complex:
         """Return the impedance M(-v + i0) on the cut, at points on one side of the shear front."""
         # All ratios of a family have their panels in the same order, and so on the same side of b.
         if at.from_b.flat[0] > 0:

@@ -10,11 +10,9 @@ from math import factorial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loads import LoadHistory
-
-Array = NDArray[np.float64]
 
 _REST = 1e-12
 """Value or slope at the end, over the largest jump or slope, up to which it is rounding."""

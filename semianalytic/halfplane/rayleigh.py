@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.polynomials import chebyshev_series
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
-Array = NDArray[np.float64]
 Mode = Literal["I", "II", "III"]
 """Modes of fracture: opening, sliding across the edge, and sliding along it (antiplane)."""
 
@@ -259,7 +259,7 @@ class RayleighFactors:
         # M has the factors (v - c)(v + c), of which the first vanishes: it alone is differentiated.
         return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
 
-    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
+    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> Complex:
         """Return the impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
         ahead = at.from_b < 0
         result = np.empty(at.v.shape, dtype=complex)

@@ -17,7 +17,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import chebyshev_series, gauss
 from semianalytic.halfplane.rayleigh import (
@@ -27,6 +27,7 @@ from semianalytic.halfplane.rayleigh import (
     RayleighFactors,
     rayleigh_factors,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material, Tractions
 
 NEAR_FRONT = 0.04
@@ -191,7 +192,7 @@ def traction_of(factors: RayleighFactors, mode: Mode, slowness: float = 0.0) -> 
 
 def stress_intensity(
     material: Material, load: Tractions, t: ArrayLike, shear_mode: Literal["II", "III"] = "II"
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Return the stress intensity factors (K_I, K_II) of a stuck interface at times t.
 
     The equations are (3.13), (3.16).

@@ -7,9 +7,8 @@ from functools import cache
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from semianalytic.scene.arrays import Array
 
 
 def cosines(values: Array, out: Array, kind: int = 2) -> None:

@@ -13,13 +13,10 @@ from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.memory.impedance import Impedance
 from semianalytic.memory.rational import SAMPLES, fitted, samples
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Complex
 from semianalytic.scene.scene import Scene
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

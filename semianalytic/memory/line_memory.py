@@ -16,12 +16,9 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.memory.exponentials import Memory, SharedMemory
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.errors import ComputationError
 
 SAMPLES = 60
@@ -19,9 +19,6 @@ MOST_PAIRS = 60
 """Largest number of pairs of conjugate poles; the finest tolerance takes 45 poles."""
 FAR_SAMPLE = 30.0
 """Largest s of samples, where 1.5/s^2, the tail of G - 1, is right to 0.1 % (nu = 1/3)."""
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 def fitted(

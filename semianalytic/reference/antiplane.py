@@ -8,13 +8,12 @@ Slip and slip rate are relative, upper minus lower side; velocities are x/t.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.reference.closed_forms import over_shear_speed
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
-
-Array = NDArray[np.float64]
 
 
 def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.results.datasets import dataset
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.memory import check_memory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 """Methods of positions and times."""

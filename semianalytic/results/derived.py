@@ -6,14 +6,13 @@ They take stress as `Solution.stress` returns it, (3, ...) or (5, ...), tension 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
-
-Array = NDArray[np.float64]
 
 
 @checking

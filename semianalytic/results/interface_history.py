@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.results.datasets import dataset
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 FORMAT = "slipfront interface history 2"
 
@@ -57,7 +55,7 @@ class InterfaceHistory:
     shear_traction: Array
     pressure: Array
     gap: Array
-    mask: NDArray[np.bool_] | None = field(default=None, kw_only=True)
+    mask: Mask | None = field(default=None, kw_only=True)
     state: Array | None = field(default=None, kw_only=True)
     felt_pressure: Array | None = field(default=None, kw_only=True)
 
@@ -77,7 +75,7 @@ class InterfaceHistory:
         return f"<InterfaceHistory: {', '.join(ranges)}>"
 
     @property
-    def touching(self) -> NDArray[np.bool_]:
+    def touching(self) -> Mask:
         """Whether the bodies touch, (n,)."""
         return np.ones(len(self.x), dtype=bool) if self.mask is None else self.mask
 

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 EDGE_STEPS = 2
 """Largest distance of an edge beyond the last sample that slips, in steps of the samples."""

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import between
 from semianalytic.results.intervals import finite_times
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
-Array = NDArray[np.float64]
 Interval = TypeVar("Interval", SlipInterval, OpenInterval)
 Finder = Callable[[Array, Array], tuple[Interval, ...]]
 """Function that finds intervals of x (n,) from values (n,) at these places."""

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from semianalytic.results.intervals import contact_positions, line_positions
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 SAMPLED_SAFETY = 1.6
 """Bar over the companion's difference: it holds 99.9 % of 37 marches, 99.7 % of 12 simulations."""
@@ -195,9 +194,7 @@ def _sampled_arrival(answer: Any, x: Array, of: str) -> Measured:
     return Measured(when, np.where(open_, np.inf, np.where(comes, error, 0.0)))
 
 
-def _sampled_field(
-    answer: Any, name: str, x: Array, t: Array, steep: NDArray[np.bool_]
-) -> Measured:
+def _sampled_field(answer: Any, name: str, x: Array, t: Array, steep: Mask) -> Measured:
     field, coarse = getattr(answer, name), answer.companion
     value = np.asarray(field(x, t))
     if coarse is None:
@@ -232,7 +229,7 @@ def _sampled_field(
     return Measured(value, np.where(t < 0, 0.0, error))
 
 
-def _steep(answer: Any, x: Array, t: Array) -> NDArray[np.bool_]:
+def _steep(answer: Any, x: Array, t: Array) -> Mask:
     """Return where fields of an answer with a companion are steeper than a grid resolves."""
     if answer.companion is None:
         return np.zeros(x.shape, dtype=bool)
@@ -243,13 +240,13 @@ def _steep(answer: Any, x: Array, t: Array) -> NDArray[np.bool_]:
     return fronts | _at_edge(answer, places, t)
 
 
-def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> NDArray[np.bool_]:
+def _at_edge(answer: Any, places: Iterable[Array], t: Array) -> Mask:
     """Return where the edge of a slip zone, with a root of traction, is among places."""
     slips = [np.asarray(answer.slip_rate(place, t)) != 0 for place in places]
     return np.asarray(np.any(slips, axis=0) & ~np.all(slips, axis=0))
 
 
-def _on_front(scene: Scene, x: Array, t: Array, width: float) -> NDArray[np.bool_]:
+def _on_front(scene: Scene, x: Array, t: Array, width: float) -> Mask:
     """Return where a wave from the tip has its front within a width [length].
 
     A grid rounds off a cusp or jump: the difference from the companion is a part of the error only.

@@ -13,7 +13,7 @@ from itertools import zip_longest
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.gridded import Gridded
@@ -40,11 +40,10 @@ from semianalytic.results.questions import (
 )
 from semianalytic.results.reading import Measured, Reading, sampled_reading
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 LEAST_SLIP = 1e-3
 """Slip over the largest one from which a node counts as one that has slipped."""

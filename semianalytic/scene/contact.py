@@ -9,11 +9,10 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
-
-Array = NDArray[np.float64]
 
 
 def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:

@@ -13,13 +13,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import with_quantities
-
-Array = NDArray[np.float64]
 
 PULSE_SHAPES = ("rectangle", "triangle", "half-sine", "haversine")
 

@@ -17,12 +17,12 @@ from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import among, check_keys, checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
-from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 from semianalytic.scene.laws.alike import expression
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.laws.kinds import LAW_KINDS, checked_friction
@@ -43,9 +43,8 @@ from semianalytic.scene.loading import (
 from semianalytic.scene.loads import LoadHistory, Step, check_pieces
 from semianalytic.scene.material import Material
 from semianalytic.scene.quantities import made_in_si, with_quantities
+from semianalytic.scene.tabulated import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 from semianalytic.scene.units import SI
-
-Array = NDArray[np.float64]
 
 SLOWEST_FRONT = 1e-4
 """Least speed of a load's front over c_t: all digits are there, at a tenth of it ten."""

@@ -1,20 +1,20 @@
-"""Loads that are given by samples, and interpolated linearly between them."""
+"""Loads that are given by samples, interpolated linearly; and the names of histories in files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import LARGEST, finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import LoadHistory, Pieces
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pieces, Pulse, Ramp, Step
+from semianalytic.scene.plugins import HISTORIES, kind_of
 from semianalytic.scene.quantities import with_quantities
-
-Array = NDArray[np.float64]
 
 
 def _samples(given: Iterable[float]) -> Array:
@@ -184,3 +184,19 @@ class _Least:
             if lag:
                 least = np.minimum(least, np.interp(times + lag, times, values))
         return least
+
+
+HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
+    "step": Step,
+    "ramp": Ramp,
+    "pulse": Pulse,
+    "harmonic": Harmonic,
+    "tabulated": Tabulated,
+}
+HISTORY_FIELDS = ("pressure_history", "shear_history")
+"""Fields of a scene that are histories."""
+
+
+def history_kind(history: LoadHistory) -> str | None:
+    """Return the kind of a history in files; None if no installed package brings its class."""
+    return kind_of(HISTORIES, LoadHistory, HISTORY_KINDS, type(history))

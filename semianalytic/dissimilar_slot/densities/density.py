@@ -21,7 +21,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
@@ -336,7 +335,7 @@ def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
 
 def _equations(
     interface: LoadedBodies, target: OnPanel, parts: Sequence[OnPanel], constant: Array
-) -> tuple[NDArray[np.float64], Array]:
+) -> tuple[Array, Array]:
     """Return rows at the points of a panel over |g| times omega, and right-hand sides."""
     panel, count = target.panel, target.panel.count
     film = 0.0 if panel.open else interface.resistance

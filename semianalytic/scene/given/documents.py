@@ -15,7 +15,6 @@ import numpy as np
 from semianalytic.scene.checks import check_keys, checked_table, finite, made, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad, load_document, load_from_document
-from semianalytic.scene.kinds import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 from semianalytic.scene.laws.kinds import LAW_WORDS, law_from_table, law_table
 from semianalytic.scene.laws.law import Law, coefficient_field
 from semianalytic.scene.line.along import HALF_LINE
@@ -28,6 +27,7 @@ from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, known_class
 from semianalytic.scene.scene import IN_PLANE, Scene
 from semianalytic.scene.tables.columns import Tables
+from semianalytic.scene.tabulated import HISTORY_FIELDS, HISTORY_KINDS, history_kind
 
 WHOLE_LINE = "whole line"
 """Contact of bodies that touch everywhere, as files have it."""

@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.delay import LinearLaw
 from semianalytic.scene.laws.law import not_negative
 from semianalytic.scene.quantities import with_quantities
-
-Array = NDArray[np.float64]
 
 
 @with_quantities

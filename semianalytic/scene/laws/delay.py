@@ -6,12 +6,10 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite
 from semianalytic.scene.laws.law import Law, not_negative
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -10,14 +10,12 @@ from itertools import pairwise
 from typing import Any, Self, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike, expression
 from semianalytic.scene.laws.sampling import BARRIER, barrier_misfit, sampled, widened
-
-Array = NDArray[np.float64]
 
 SLOWEST = 1e-300
 """Slip rate below which a law counts as one that sticks."""

@@ -6,12 +6,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-
-Array = NDArray[np.float64]
 
 BARRIER = 10.0
 """Ratio at a jump up to which nodes take means: at 3 slip is .9 % off, at 30 5 % either way."""

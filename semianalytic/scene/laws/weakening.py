@@ -7,15 +7,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
 from semianalytic.scene.laws.law import not_negative, positive
 from semianalytic.scene.quantities import with_quantities
-
-Array = NDArray[np.float64]
 
 
 @with_quantities

@@ -9,15 +9,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.law import not_negative, positive
 from semianalytic.scene.laws.sampling import sampled
-
-Array = NDArray[np.float64]
 
 FITS = 1e-3
 """Distance of an end over the node distance that changes slip by a thousandth of one node."""
@@ -80,7 +78,7 @@ class Contact:
         """Whether the bodies touch everywhere."""
         return self.intervals == ((-math.inf, math.inf),)
 
-    def touches(self, x: Sequence[float] | Array) -> NDArray[np.bool_]:
+    def touches(self, x: Sequence[float] | Array) -> Mask:
         """Return whether the bodies touch at positions x, (n,)."""
         x = np.asarray(x, dtype=float)
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
@@ -226,7 +224,7 @@ class Adhesion(Alike):
         not_negative("adhesion", strength=self.strength)
         positive("adhesion", length=self.length)
 
-    def on(self, x: Array, touching: NDArray[np.bool_]) -> Adhesion:
+    def on(self, x: Array, touching: Mask) -> Adhesion:
         """Return strength and length at positions x (n,); slots have no strength."""
         strength = np.zeros(len(x))
         strength[touching] = sampled("adhesion: strength", self.strength, x[touching])

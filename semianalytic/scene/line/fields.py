@@ -12,9 +12,9 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
@@ -23,7 +23,6 @@ from semianalytic.scene.laws.sampling import sampled
 if TYPE_CHECKING:
     from semianalytic.scene.tables.columns import Column
 
-Array = NDArray[np.float64]
 
 _ANY_NUMBER = 0
 _FUNCTIONS: Mapping[str, tuple[Callable[..., Any], int]] = {
@@ -162,9 +161,7 @@ def check_field(what: str, field: Any) -> None:
         )
 
 
-def at_nodes(
-    what: str, field: Any, x: Array, where: NDArray[np.bool_], spacing: float = 0.0
-) -> Array:
+def at_nodes(what: str, field: Any, x: Array, where: Mask, spacing: float = 0.0) -> Array:
     """Return a field at the nodes (n,) of a mask, 0 at the others; see `sampled`."""
     values = np.zeros(len(x))
     values[where] = sampled(what, field, x[where], spacing)

@@ -8,16 +8,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import among, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.quantities import with_quantities
-
-Array = NDArray[np.float64]
 
 
 @with_quantities

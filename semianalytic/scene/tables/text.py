@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import (
     LARGEST_TEXT,
@@ -22,8 +22,6 @@ from semianalytic.scene.tables.bounds import (
     check_numbers,
     content_of,
 )
-
-Array = NDArray[np.float64]
 
 COMMENTS = ("#", "%", "!", "//")
 MISSING = {"", "nan", "nan(ind)", "na", "n/a", "none", "null", "?"}

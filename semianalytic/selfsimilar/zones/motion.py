@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.results.intervals import contact_points
+from semianalytic.scene.arrays import Mask
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.weak_friction import slip_senses
@@ -174,7 +175,7 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
 
 
-def is_open(openings: Iterable[OpenZone], x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
+def is_open(openings: Iterable[OpenZone], x: ArrayLike, t: ArrayLike) -> Mask:
     """Return where and when the contact is open, for positions and times that broadcast."""
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)

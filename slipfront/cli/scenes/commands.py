@@ -23,7 +23,6 @@ from semianalytic.scene.given.finding import brought_scene, brought_summary, fin
 from semianalytic.scene.given.named import DEFAULT_SCENE, NAMED_LINES, NAMED_SCENES, NAMED_SPECIMENS
 from semianalytic.scene.given.solids import find_solid, solids
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.laws.kinds import LAW_KINDS
 from semianalytic.scene.plugins import (
     FIGURES,
@@ -36,6 +35,7 @@ from semianalytic.scene.plugins import (
     plugins,
 )
 from semianalytic.scene.tables.text import text_of
+from semianalytic.scene.tabulated import HISTORY_KINDS
 from semianalytic.scene.units import SI
 from slipfront.cli.options import AsJson, option, with_options
 from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES

@@ -12,9 +12,9 @@ from semianalytic import GrowingLoad, PointForce, RateWeakening, SlipWeakening, 
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_SCENES
 from semianalytic.scene.given.template import in_si_units, scene_text
-from semianalytic.scene.kinds import HISTORY_KINDS
 from semianalytic.scene.laws.kinds import LAW_KINDS
 from semianalytic.scene.laws.law import follows_path
+from semianalytic.scene.tabulated import HISTORY_KINDS
 from slipfront.cli.commands import main
 
 X = np.linspace(0.03, 1.2, 40)
