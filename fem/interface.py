@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
 

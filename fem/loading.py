@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem.interface import KickTractions
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene

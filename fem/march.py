@@ -15,7 +15,7 @@ from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
 from fem.interface import ContactFace, FacePair, Joint
 from fem.loading import kick_interval
 from fem.stepping import MarchedBody, highest_frequency, normalised
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.material import Material

@@ -19,7 +19,7 @@ from fem.plan import TWO_MATERIALS, Plan
 from fem.stepping import MarchedBody, critical_step, highest_frequency
 from meshes import mesh_of, side_nodes
 from meshes.blocks import causal_margin
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.contact import wave_slips_ahead
 
 LAYER = 4

@@ -14,9 +14,9 @@ from fem.loading import arrived_wave
 from fem.march import unknowns_of
 from fem.model import Model
 from fem.results import ContactOpening, EnergyHistory, SlotHistory
-from semianalytic.arrays import Array
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
+from semianalytic.scene.arrays import Array
 
 LEAST_GAP = 1e-9
 """Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import mesh_caution
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units, checking
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import with_unit

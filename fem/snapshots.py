@@ -20,8 +20,8 @@ from fem.budget import free_space
 from fem.loading import arrived_wave
 from fem.model import Model
 from fem.settings import COMPANIONS
-from semianalytic.arrays import Array
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"

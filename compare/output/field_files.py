@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from compare.output.places import write_text
 from compare.output.tables import csv_text
-from semianalytic.arrays import Array
 from semianalytic.results.derived import strain
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import unit
 
 Fields = Any

@@ -16,7 +16,7 @@ from skfem.element import Element
 from skfem.mesh import Mesh
 
 from meshes import side_nodes
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material
 
 

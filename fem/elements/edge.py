@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Space
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32

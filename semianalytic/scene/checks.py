@@ -59,13 +59,6 @@ def among(value: object, words: Collection[str]) -> bool:
     return isinstance(value, str) and value in words
 
 
-def checked_word(what: str, value: Any, words: Collection[str]) -> str:
-    """Return one of some words; raise SceneError for anything else."""
-    if not among(value, words):
-        raise SceneError(f"{what} must be one of {', '.join(words)}, got {shown(value)}.")
-    return str(value)
-
-
 def finite(value: object) -> float | None:
     """Return a finite real number of any type, numpy's scalars included, as float; else None.
 

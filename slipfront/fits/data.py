@@ -13,9 +13,9 @@ from compare.records.names import NOISE
 from compare.records.read import read_records
 from compare.records.record import AFTER, Placed, ReadingOptions, Record, Records
 from compare.validation.readings import base_of, faces_are_mirrored
-from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from compare.comparison.measures import within
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 Waveform = Callable[[Array], Array]
 Table = tuple[Array, Array]

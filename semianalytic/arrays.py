@@ -1,9 +1,0 @@
-"""Types of arrays, each under one name."""
-
-from __future__ import annotations
-
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
