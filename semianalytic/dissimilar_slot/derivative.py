@@ -19,6 +19,7 @@ from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
@@ -162,8 +163,7 @@ def differentiated(
 
     It refuses other names and films that are not there; edges may fail at nearby values.
     """
-    if name not in PARAMETERS:
-        raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
+    checked_word("derivative: name", name, PARAMETERS)
     if name == "viscosity" and not numbers_of(own.scene)[name].value > 0:
         raise SceneError(
             "derivative: with respect to viscosity the pair needs friction of a positive viscosity."

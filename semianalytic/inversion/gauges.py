@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, shown
+from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
@@ -90,9 +90,7 @@ class Gauge:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
-            known = ", ".join(QUANTITIES)
-            raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
+        checked_word("gauge: quantity", self.quantity, QUANTITIES)
         object.__setattr__(self, "x", checked_number("gauge: x", self.x))
         if self.on_interface and self.y is not None:
             raise SceneError(f"gauge: {self.quantity} is a quantity of the interface; leave y out.")

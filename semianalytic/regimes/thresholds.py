@@ -25,8 +25,8 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.checks import checked_word
+from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loading import REMOTE, SLOT, Tractions
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.solver import solve
@@ -90,9 +90,7 @@ def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
     SceneError
         If the Poisson ratio is not in (-1, 0.5) or chi < 0.
     """
-    if loading not in _TRACTIONS:
-        raise SceneError(f"loading must be one of {', '.join(_TRACTIONS)}, got {shown(loading)}.")
-    base, load, place = _TRACTIONS[loading]
+    base, load, place = _TRACTIONS[checked_word("loading", loading, _TRACTIONS)]
     return Scene(Material(1.0, 1.0, poisson_ratio), chi, base, load, load_on=place)
 
 

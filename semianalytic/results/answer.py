@@ -12,8 +12,7 @@ from semianalytic.results.datasets import dataset
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.scene import Scene
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
@@ -135,9 +134,7 @@ class Answer(Protocol):
 
 def checked_arrival(of: object) -> str:
     """Return what arrives, one of `ARRIVALS`; raise SceneError for anything else."""
-    if of not in ARRIVALS:
-        raise SceneError(f"arrival: of must be one of {', '.join(ARRIVALS)}, got {shown(of)}.")
-    return str(of)
+    return checked_word("arrival: of", of, ARRIVALS)
 
 
 def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

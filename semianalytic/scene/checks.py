@@ -210,14 +210,20 @@ def checked_table(name: str, value: Any) -> dict[str, Any]:
     return dict(value)
 
 
+def checked_word(what: str, value: Any, words: Collection[str], page: str = "") -> str:
+    """Return one of some words; others raise SceneError, "{what} must be one of {words}, got …"."""
+    if not among(value, words):
+        known = " or ".join(words) if len(words) == 2 else f"one of {', '.join(words)}"
+        raise SceneError(f"{what} must be {known}, got {shown(value)}{page}.")
+    return str(value)
+
+
 def checked_kind(name: str, kind: Any, kinds: Collection[str], more: str = "") -> str:
     """Return the kind that a table gives; raise SceneError if it is none of those known."""
-    if not isinstance(kind, str) or kind not in kinds:
-        known = ", ".join(kinds) + more
-        raise SceneError(
-            f"{name}: kind must be one of {known}, got {shown(kind)} (docs/not_here.md)."
-        )
-    return kind
+    if not among(kind, kinds):
+        known = f"{', '.join(kinds)}{more}, got {shown(kind)}"
+        raise SceneError(f"{name}: kind must be one of {known} (docs/not_here.md).")
+    return str(kind)
 
 
 def made(

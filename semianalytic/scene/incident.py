@@ -15,12 +15,11 @@ from typing import Any
 
 from semianalytic.scene.checks import (
     LARGEST,
-    among,
     check_fields,
     checked_kind,
     checked_number,
+    checked_word,
     made,
-    shown,
 )
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import GrowingLoad, HalfLine, LineLoad, Patch, PointForce, Tractions
@@ -80,10 +79,7 @@ class IncidentWave:
     from_: str = "below"
 
     def __post_init__(self) -> None:
-        if not among(self.kind, WAVES):
-            raise SceneError(
-                f"incident wave: kind must be one of {', '.join(WAVES)}, got {shown(self.kind)}."
-            )
+        checked_word("incident wave: kind", self.kind, WAVES)
         angle = checked_number(
             "incident wave: angle",
             self.angle,
@@ -91,10 +87,7 @@ class IncidentWave:
             lambda given: abs(given) <= GRAZING,
         )
         object.__setattr__(self, "angle", angle)
-        if self.from_ not in SIDES:
-            raise SceneError(
-                f"incident wave: from must be {' or '.join(SIDES)}, got {shown(self.from_)}."
-            )
+        checked_word("incident wave: from", self.from_, SIDES)
         if (self.velocity is None) == (self.stress is None):
             raise SceneError("incident wave: give either its velocity or its stress.")
         name = "stress" if self.velocity is None else "velocity"

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import with_quantities
 
@@ -270,10 +270,7 @@ class Pulse(LoadHistory):
     def __post_init__(self) -> None:
         duration = checked_size("pulse: duration", self.duration, "be a positive number")
         object.__setattr__(self, "duration", duration)
-        if not isinstance(self.shape, str) or self.shape not in PULSE_SHAPES:
-            raise SceneError(
-                f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {shown(self.shape)}."
-            )
+        checked_word("pulse: shape", self.shape, PULSE_SHAPES)
 
     @cached_property
     def pieces(self) -> Pieces:

@@ -20,7 +20,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import among, check_keys, checked_count, checked_size, shown
+from semianalytic.scene.checks import (
+    among,
+    check_keys,
+    checked_count,
+    checked_size,
+    checked_word,
+    shown,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import expression
@@ -195,15 +202,8 @@ class Scene(AlongLine):
                     f"scene: {name} must be one of {known}, or of a package that brings it "
                     f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
                 )
-        if not among(self.mode, MODES):
-            raise SceneError(
-                f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)} "
-                "(docs/not_here.md)."
-            )
-        if not among(self.load_on, LOADED):
-            raise SceneError(
-                f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
-            )
+        checked_word("scene: mode", self.mode, MODES, " (docs/not_here.md)")
+        checked_word("scene: load_on", self.load_on, LOADED)
         # Numbers given with units have been turned into those of the SI.
         if made_in_si(self) and not self.units:
             object.__setattr__(self, "units", SI)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.delay import DelayedLaw
 from semianalytic.scene.laws.law import not_negative, positive
@@ -73,10 +73,7 @@ class RateAndState(DelayedLaw):
         owner = "RateAndState"
         positive(owner, a=self.a, v0=self.v0, distance=self.distance)
         not_negative(owner, b=self.b, f0=self.f0)
-        if self.evolution not in ("ageing", "slip"):
-            raise SceneError(
-                f"{owner}: evolution must be ageing or slip, got {shown(self.evolution)}."
-            )
+        checked_word(f"{owner}: evolution", self.evolution, ("ageing", "slip"))
         if self.theta is not None:
             positive(owner, theta=self.theta)
         if (self.weakened is None) != (self.weakening_rate is None):

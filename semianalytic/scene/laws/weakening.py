@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
 from semianalytic.scene.laws.law import not_negative, positive
 from semianalytic.scene.quantities import with_quantities
@@ -64,10 +63,7 @@ class SlipWeakening(LinearLaw):
         owner = "SlipWeakening"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, distance=self.distance)
-        if self.shape not in ("linear", "exponential"):
-            raise SceneError(
-                f"{owner}: shape must be linear or exponential, got {shown(self.shape)}."
-            )
+        checked_word(f"{owner}: shape", self.shape, ("linear", "exponential"))
 
     def _left(self, state: Array) -> Array:
         if self.shape == "linear":

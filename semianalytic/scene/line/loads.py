@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import among, checked_number, shown
+from semianalytic.scene.checks import checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
@@ -65,8 +65,8 @@ class InterfaceLoad(Alike):
             raise SceneError(
                 f"load: history must be a LoadHistory or a function of t, got {shown(history)}."
             )
-        if self.on is not None and not among(self.on, ("line", "slot")):
-            raise SceneError(f'load: on must be "line" or "slot", got {shown(self.on)}.')
+        if self.on is not None:
+            checked_word("load: on", self.on, ("line", "slot"))
         from semianalytic.scene.line.fields import Table, check_field
 
         for name in ("shear", "pressure"):

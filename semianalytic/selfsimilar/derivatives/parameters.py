@@ -13,6 +13,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.rates import Rates
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.contact import superposed_by
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import OF_FRONT, IncidentWave, MovingLoad
@@ -50,8 +51,7 @@ def changes(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
     For a base at friction it is that on the side on which the base sticks.
     """
     load = profile.fields.load
-    if name not in PARAMETERS:
-        raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
+    checked_word("derivative: name", name, PARAMETERS)
     if load.linearised is not None:
         raise SceneError(
             "derivative: it exists for constant and viscous friction only; difference two "
