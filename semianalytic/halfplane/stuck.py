@@ -27,7 +27,6 @@ from semianalytic.halfplane.rayleigh import (
     RayleighFactors,
     rayleigh_factors,
 )
-from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material, Tractions
 
 NEAR_FRONT = 0.04
