@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import MarchedBody
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
 
@@ -148,36 +148,9 @@ AT_ONCE = 1e-300
 class Joint:
     """The contact and the slot during a simulation: present tractions, and the work done so far.
 
-    Parameters
-    ----------
-    law : Law
-        Friction of the contact.
-    state : (n,) array
-        Its state at t = 0.
-    contact, slot : FaceMotion
-        Motion of the contact, and of slot faces.  Where the contact has no motion across the
-        interface, it stays closed and its pressure as it was.
-    tractions : callable
-        Tractions of the kick at a time level.
-    plate_rate : float
-        Slip rate of the bodies far away [length / time].
-
-    Attributes
-    ----------
-    length : (n,) array
-        Tributary lengths of the pairs of the contact [length].
-    pressure, shear : (n,) arrays
-        Total tractions of the last kick, those in place included [stress].
-    felt : (n,) array
-        Pressure that friction follows at the last kick [stress].
-    strength : (n,) array
-        Largest shear traction at the last kick [stress]; 0 where open.
-    path : (n,) array
-        |slip| accumulated up to the time level of the last kick, also while open [length].
-    offset : (n,) array
-        Opening at the time level of the last kick, zero to rounding where closed [length].
-    work : InterfaceWork
-        Up to the middle of the step before the last kick, as in `MarchedBody.energy`.
+    A law acts on the contact with its state (n,) at t = 0; tractions are those of the kick at a
+    time level, and the plate rate is the slip rate of the bodies far away [length / time].  Where
+    the contact has no motion across the interface, it stays closed and its pressure as it was.
     """
 
     def __init__(
@@ -194,12 +167,19 @@ class Joint:
         (self.sliding, self.pressing), self.slot = contact, slot
         pair = self.sliding or self.pressing
         assert pair is not None
+        # tributary lengths of the pairs of the contact (n,) [length]
         self.length, self.step = pair.length, pair.step
+        # total tractions of the last kick, those in place included, and the pressure that friction
+        # follows then (n,) [stress]
         self.pressure = pressure + np.zeros(len(self.length))
         self.felt = self.pressure.copy()
+        # of the last kick: shear traction, the largest that friction bears, 0 where open [stress],
+        # |slip| accumulated until then, also while open, and opening, zero to rounding where
+        # closed [length], (n,) each
         self.shear, self.strength, self.path, self.offset, self._rubbed = np.zeros(
             (5, len(self.length))
         )
+        # up to the middle of the step before the last kick, as in `MarchedBody.energy`
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
 

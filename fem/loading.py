@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem.interface import KickTractions
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
@@ -57,17 +57,9 @@ def front_delays(x: Array, slowness: float, *, contact: bool = False) -> Array:
 
 
 class SceneTractions:
-    """The tractions of each kick under a scene's load, on its contact and slot.
+    """The tractions of each kick under a scene's load, on the nodes of its contact and slot.
 
-    Parameters
-    ----------
-    scene : Scene
-    step : float
-        dt [time].
-    steps : int
-        Number of kicks after the first one.
-    contact_x, slot_x : arrays
-        Positions of the nodes that bear tractions of the contact and of the slot [length].
+    The time step is dt [time], and steps are the kicks after the first one.
     """
 
     def __init__(

@@ -15,7 +15,7 @@ from fem.elements.assembly import STIFFNESS, Space, Y, lumped_mass
 from fem.interface import ContactFace, FacePair, Joint
 from fem.loading import kick_interval
 from fem.stepping import MarchedBody, highest_frequency, normalised
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.material import Material
@@ -139,29 +139,15 @@ class SidePush:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class March:
-    """Bodies and joint at rest, ready for one march in time.
+    """Bodies and joint at rest, ready for one march in time."""
 
-    Attributes
-    ----------
-    bodies : list of MarchedBody
-        Upper ones before lower ones, which are left out where they move oppositely.
-    joint : Joint
-    time_step : float
-        dt [time].
-    copies : int
-        Number of blocks that a body stands for: 2 where the lower one moves oppositely.
-    walls : Walls or None
-        Side walls that are not free.
-    pushes : sequence of SidePush
-        Tractions on other sides than the joint.
-    """
-
+    # upper ones before lower ones, which are left out where they move oppositely
     bodies: list[MarchedBody]
     joint: Joint
-    time_step: float
-    copies: int
-    walls: Walls | None = None
-    pushes: Sequence[SidePush] = ()
+    time_step: float  # dt [time]
+    copies: int  # number of blocks that a body stands for: 2 where the lower one moves oppositely
+    walls: Walls | None = None  # side walls that are not free
+    pushes: Sequence[SidePush] = ()  # tractions on other sides than the joint
 
     @property
     def unknowns(self) -> int:

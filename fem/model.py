@@ -19,7 +19,7 @@ from fem.plan import TWO_MATERIALS, Plan
 from fem.stepping import MarchedBody, critical_step, highest_frequency
 from meshes import mesh_of, side_nodes
 from meshes.blocks import causal_margin
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.contact import wave_slips_ahead
 
 LAYER = 4
@@ -31,16 +31,9 @@ def number_by_arrival(
 ) -> tuple[NDArray[np.int64], Array]:
     """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
-    The size is that of elements [length].  Where the interface slides ahead of all waves of the
-    edge, the distance is that from the whole line y = 0.
-
-    Returns
-    -------
-    place : (n,) array
-        New number of each node.
-    distance : (n,) array
-        Distance of each new number from what moves first [length], rounded down to layers, in which
-        the nodes keep the order they have in the mesh.
+    Where the interface slides ahead of all waves of the edge, the distance is that from the whole
+    line y = 0.  Return the new number of each node (n,), and the distance (n,) of each new number
+    [length], rounded down to layers, in which the nodes keep the order they have in the mesh.
     """
     x, y = space.points
     ahead = np.zeros_like(x) if slides else np.maximum(x, 0.0)

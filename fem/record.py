@@ -14,9 +14,9 @@ from fem.loading import arrived_wave
 from fem.march import unknowns_of
 from fem.model import Model
 from fem.results import ContactOpening, EnergyHistory, SlotHistory
-from semianalytic.arrays import Array
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
+from semianalytic.scene.arrays import Array
 
 LEAST_GAP = 1e-9
 """Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:
@@ -31,10 +31,6 @@ class MeshRecord:
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
     the contact are those of every step.  The edge node is left out of the interface and of the
     largest slip: part of its mass belongs to the slot, and its motion does not converge.
-
-    Parameters
-    ----------
-    model : Model
     """
 
     def __init__(self, model: Model) -> None:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import mesh_caution
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer, write_answer
 from semianalytic.scene.arguments import asked_in_units, checking
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import with_unit
@@ -304,33 +304,8 @@ class Simulation(SampledAnswer):
 
 @checking
 def load_simulation(directory: str | Path) -> Simulation:
-    """Read the simulation that `Simulation.save` wrote into a folder.
-
-    Parameters
-    ----------
-    directory : path
-        Folder of `simulation.h5`.
-
-    Returns
-    -------
-    Simulation
-
-    Raises
-    ------
-    DataFileError
-        If the file is missing, damaged or not a simulation.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from fem import simulate
-    >>> from fem.results import load_simulation
-    >>> from semianalytic import find
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     simulate(find("preloaded"), resolution=8).save(folder)
-    ...     load_simulation(folder).resolution
-    8
-    """
+    """Read the simulation that `Simulation.save` wrote into a folder; DataFileError if its file is
+    missing, damaged or not a simulation."""
     path = Path(directory) / FILE_NAME
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the folder of a finished simulation.")

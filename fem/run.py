@@ -146,21 +146,10 @@ def run_plan(
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Simulation:
-    """Build the model of a plan and march it to its end; raises as `simulate`.
+    """Build the model of a plan and march it to its end; takes and raises what `simulate` does.
 
-    Parameters
-    ----------
-    plan : Plan
-    pace : Pace
-        Interval between checkpoints.
-    kept, folder : Path or None
-        File of checkpoints, and folder of snapshots.
-    cost : Cost
-        Prediction for the plan.
-    complaints : Complaints
-        Receives sentences about files that cannot be written.
-    resume, progress
-        Arguments of `simulate`.
+    Checkpoints are kept in a file, snapshots in a folder, and complaints receive sentences about
+    those that cannot be written.
     """
     model = build(plan)
     seconds = dict(model.seconds)

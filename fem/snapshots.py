@@ -20,8 +20,8 @@ from fem.budget import free_space
 from fem.loading import arrived_wave
 from fem.model import Model
 from fem.settings import COMPANIONS
-from semianalytic.arrays import Array
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"
@@ -49,33 +49,11 @@ class Snapshots:
     sigma_xy, or sigma_yz; they do not determine the initial sigma_xx, so that one is the change
     since t = 0.
 
-    Parameters
-    ----------
-    directory : path
-        The folder; it is made if it does not exist.  Frames and index of another run are removed.
-    model : Model
-    run : str
-        Identity of the run, which index and frames carry.
-    started : int
-        First time level of this run, above 0 if it goes on from an interrupted one.
-    frames : iterable of (time, name)
-        Frames that the interrupted run had written, as far as they still exist.
-    reserve : int
-        Disk space that frames must leave for the histories [bytes].
-
-    Attributes
-    ----------
-    frames : list of (time, name)
-        Frames that the index lists.
-    missing : str
-        Reason why frames are missing, as a sentence; empty if none are.
-    failed : bool
-        Whether a frame could not be written; no more are tried then.
-
-    Raises
-    ------
-    DataFileError
-        If the folder or its index cannot be written.
+    Index and frames carry the identity of the run, and those of another run are removed from the
+    directory, which is made if it does not exist.  A run that goes on from an interrupted one
+    starts at a level above 0, with the frames (time, name) that one had written, as far as they
+    still exist.  Frames leave a reserve of disk space for the histories [bytes].  DataFileError is
+    raised if the folder or its index cannot be written.
     """
 
     def __init__(
@@ -96,7 +74,9 @@ class Snapshots:
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         # nodes are fewer than 2^31; their numbers in 32 bits are written in two thirds of the time
         self._cells = [(CELLS[model.plan.settings.mesh], cells.T.astype(np.int32))]
+        # (time, name) of the frames that the index lists
         self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
+        # why frames are missing, as a sentence, and whether one failed, after which none is tried
         self.missing, self.failed = "", False
         due = sum(level < started for level in self._levels)
         if len(self.frames) < due:

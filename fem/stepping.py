@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 def normalised(stiffness: sparse.csr_array, mass: Array) -> tuple[sparse.csr_array, Array]:

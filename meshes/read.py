@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skfem import MeshTri
 
 from meshes.blocks import Blocks
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 POSITION_TOLERANCE = 1e-6

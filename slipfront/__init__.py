@@ -19,12 +19,8 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 def __getattr__(name: str) -> Any:
     """A public name, from the module that defines it.
 
-    Raises
-    ------
-    MissingLibraryError
-        If a package that the name needs is not installed.
-    ImportError
-        If a file of the user hides a package of slipfront.
+    MissingLibraryError if a package that the name needs is not installed, ImportError if a file of
+    the user hides a package of slipfront.
     """
     if name.startswith("__") and name not in ("__all__", "__version__"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

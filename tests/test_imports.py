@@ -14,12 +14,7 @@ import slipfront
 from slipfront.cli.commands import COMMANDS
 
 ROOT = Path(__file__).parent.parent
-DESCRIPTION = (
-    "semianalytic.arrays",
-    "semianalytic.names",
-    "semianalytic.results",
-    "semianalytic.scene",
-)
+DESCRIPTION = ("semianalytic.scene", "semianalytic.results", "semianalytic.names")
 """What a scene and a result are, how they are checked, written and named: no numerics at all."""
 
 ARROWS = {

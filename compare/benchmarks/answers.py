@@ -23,8 +23,8 @@ from compare.comparison.scales import stress_scale
 from compare.output.tables import csv_text
 from compare.records.record import QUANTITIES
 from semianalytic import solve
-from semianalytic.arrays import Array
 from semianalytic.results.answer import TOTALS, method_of
+from semianalytic.scene.arrays import Array
 from semianalytic.whole_line.drive import Drive
 
 RTOL, PAIR_RTOL = 1e-12, 1e-10

@@ -22,7 +22,7 @@ from compare.records.record import AFTER, QUANTITIES, Record, Records
 from compare.validation import Conventions, validate
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import pooled, station_norm
-from semianalytic.arrays import Mask
+from semianalytic.scene.arrays import Mask
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.tables.text import lines_of
 

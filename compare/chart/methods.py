@@ -16,9 +16,9 @@ import numpy as np
 
 from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
-from semianalytic.arrays import Array
 from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import find_scene, scene_label

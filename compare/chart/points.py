@@ -24,7 +24,7 @@ from compare.comparison.measures import is_nothing, relative_error
 from compare.comparison.scales import slip_rate_scale
 from compare.output.tables import read_rows, write_rows
 from compare.tasks.workers import Progress
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.given.finding import scene_label
 

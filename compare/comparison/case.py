@@ -19,11 +19,11 @@ from compare.comparison.mesh_choice import Feature, Prices, short_waves_grow
 from compare.comparison.rows import BEYOND
 from compare.comparison.scales import contact_fronts, slip_rate_scale, stress_scale
 from semianalytic import Marched, Scene, Solution
-from semianalytic.arrays import Array, Mask
 from semianalytic.engine.resolution import Shortfall
 from semianalytic.results.answer import Answer, method_of
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
+from semianalytic.scene.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from fem import Simulation

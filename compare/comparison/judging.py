@@ -15,10 +15,10 @@ from compare.comparison.bars import LEAST_ORDER, SAFETY, ErrorBar, error_bar, sl
 from compare.comparison.case import UNSEEN, Case
 from compare.comparison.measures import NOTHING, within
 from compare.comparison.rows import AGREES, AWAY, BASIC, BEYOND, DIFFERS, TELLING, UNRESOLVED, Row
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.answer import Answer
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
+from semianalytic.scene.arrays import Array, Mask
 
 LEAST_ERROR = 2e-4
 """Relative error of a field below which no mesh difference is believed.  Where all meshes slide at

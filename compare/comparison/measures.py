@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arrays import Array, Mask
 
 NOTHING = 1e-6
 """Part of its unit up to which a value counts as nothing."""

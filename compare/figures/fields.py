@@ -29,7 +29,7 @@ from compare.figures.style import (
     scene_words,
 )
 from compare.output.field_files import Fields
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995

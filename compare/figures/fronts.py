@@ -9,8 +9,8 @@ import numpy as np
 
 from compare.comparison.fields.fronts import Fronts, StraightFront, fronts_of
 from compare.output.field_files import Fields, shown_speed
-from semianalytic.arrays import Array
 from semianalytic.results.in_words import kind_of_slip
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene
 

@@ -16,8 +16,8 @@ from compare.comparison.quantities.history_rows import sense_maps
 from compare.comparison.quantities.local_rows import worst_places
 from compare.figures import style
 from compare.figures.interface import POINTS, fronts_figure, interface_figure
-from semianalytic.arrays import Array
 from semianalytic.results.answer import method_of
+from semianalytic.scene.arrays import Array
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
 _BESIDE: Mapping[str, Any] = {"textcoords": "offset points", "color": style.SIMULATION}

@@ -11,8 +11,8 @@ import numpy as np
 from compare.comparison.scales import stress_scale
 from compare.output.field_files import Fields, in_parts, resolved
 from semianalytic import Scene, SceneError, fringes
-from semianalytic.arrays import Array
 from semianalytic.results.derived import principal_difference
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import shown
 from semianalytic.scene.units import unit
 

@@ -176,22 +176,11 @@ def mark_waves(
     colour: str | None = None,
     outlined: str | None = None,
 ) -> None:
-    """Draw dashed lines for wave fronts, with their symbols at the rim of the panel.
+    """Draw dashed lines for wave fronts, with their symbols, unless `labels` is false, at the rim.
 
-    Parameters
-    ----------
-    panel : Axes
-        Panel; if `kind` is "rays", its limits must be set before.
-    speeds : mapping from name of a wave to its speed [length / time]
-    unit : float
-        Divisor that turns a speed into a position on the axis, or the slope dx/dt of a ray.
-    kind : str
-        Vertical lines at x, horizontal lines at y, or rays from the origin over x and t.
-    labels : bool
-        Whether to write the symbols.
-    colour : str, optional
-    outlined : str, optional
-        Colour around the lines, which makes them visible over a map.
+    Lines are vertical at x, horizontal at y, or rays from the origin over x and t, for which the
+    limits of the panel must be set before.  The unit turns speeds, by the name of a wave, into
+    positions on the axis, or slopes dx/dt of rays; lines that are outlined are visible over a map.
     """
     style: dict[str, Any] = {"color": colour or ink(0.65), "linestyle": "--", "linewidth": 0.8}
     if outlined is not None:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from compare.output.places import write_text
 from compare.output.tables import csv_text
-from semianalytic.arrays import Array
 from semianalytic.results.derived import strain
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import unit
 
 Fields = Any
@@ -109,19 +109,9 @@ def write_frames(
 
     Data, names and signs are those of `fem.snapshots.Snapshots`: velocity and displacement at
     points, stresses at the centres of cells.  The bodies share no points, so points of the
-    interface occur twice, with y = 0.0 and y = -0.0.  Frames of an earlier run are removed.
-
-    Parameters
-    ----------
-    folder, fields
-    times : sequence of float
-        Times of the frames [time].
-    window : (x0, x1, y0, y1)
-        Part of the plane to write [length].
-    grid : (int, int)
-        Number of cells along x and y.
-    progress : callable, optional
-        Called with (frame, frames) after each frame.
+    interface occur twice, with y = 0.0 and y = -0.0.  Frames of an earlier run are removed.  The
+    window x0, x1, y0, y1 [length] has as many cells along x and y as the grid says; `progress` is
+    called with (frame, frames) after each.
     """
     import meshio
 

@@ -16,9 +16,9 @@ import numpy as np
 from compare.records.names import known_columns, no_columns
 from compare.records.record import QUANTITIES, ReadingOptions, Records
 from compare.records.stations import joined_faces, stations_of_grid, stations_of_rows
-from semianalytic.arrays import Array
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, check_numbers
 

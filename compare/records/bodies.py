@@ -13,7 +13,7 @@ import numpy as np
 from compare.records.names import Columns, known_columns, named_unit
 from compare.records.record import ReadingOptions, Records, Stated, Unit
 from compare.records.stations import joined_faces, stations_of_grid
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import MOST_FILES, check_file_size, content_of, parsing
 

@@ -10,7 +10,7 @@ import numpy as np
 from compare.records.names import Columns
 from compare.records.record import AFTER, ReadingOptions, Records
 from compare.records.stations import joined_faces, stations_of_grid
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import check_file_size
 from semianalytic.scene.tables.text import read_table, text_of

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from semianalytic.arrays import Array, Mask
+from semianalytic.scene.arrays import Array, Mask
 
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is

@@ -9,7 +9,7 @@ import numpy as np
 
 from compare.records.names import FACES, NOISE, Columns
 from compare.records.record import QUANTITIES, Record, Stated
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import LARGEST_STATIONS
 

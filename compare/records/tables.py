@@ -14,8 +14,8 @@ import numpy as np
 from compare.records.names import NOISE, Columns, dimensions_of, known_columns, no_columns, unit_of
 from compare.records.record import AFTER, ReadingOptions, Record, Records, Stated, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
-from semianalytic.arrays import Array, Mask
 from semianalytic.inversion.gauges import FIELDS
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.columns import split_heading
 from semianalytic.scene.tables.text import NamedColumns, read_table

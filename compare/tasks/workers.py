@@ -36,22 +36,10 @@ def run_tasks(
     """Call module-level functions in processes; yield (index of task, result) as each finishes.
 
     The processes do not run the calling program again, so it needs no ``if __name__ ==`` unless
-    the functions are its own.
-
-    Parameters
-    ----------
-    tasks : sequence of (function, arguments)
-    workers : int, optional
-        Number of processes; the number of cores by default.  With 1, tasks run here, in order.
-    progress : callable, optional
-        Called with the number of finished tasks and of all tasks.
-    client : distributed.Client, optional
-        Client of a Dask cluster whose workers run the tasks instead.
-
-    Raises
-    ------
-    ComputationError
-        If a process is killed (on a cluster: repeatedly), or the cluster does not answer.
+    the functions are its own.  There are as many as cores unless workers are given; with 1, tasks
+    run here, in order, and with a client of a Dask cluster its workers run them.  `progress` is
+    called with the number of finished tasks and of all tasks.  ComputationError is raised if a
+    process is killed (on a cluster: repeatedly), or the cluster does not answer.
     """
     count = min(workers or os.cpu_count() or 1, len(tasks))
     place = "a cluster" if client is not None else f"{max(count, 1)} processes"

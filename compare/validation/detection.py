@@ -35,7 +35,7 @@ from compare.validation.readings import (
     turn_words,
 )
 from semianalytic import Scene
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 LITTLE = 0.25

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Scene, solve
-from semianalytic.arrays import Array, Mask
 from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer, method_of
+from semianalytic.scene.arrays import Array, Mask
 
 POINT = "point"
 """Kind of a slip rate that is the one at its time, and no mean over a step."""

@@ -12,7 +12,7 @@ from compare.comparison.bars import observed_order
 from compare.records.record import Record, Records
 from compare.validation.exact import AT_TIME, Exact, Sampling
 from compare.validation.norms import station_size, weights
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 SMEAR: dict[str, float] = {

@@ -9,7 +9,7 @@ import numpy as np
 from compare.comparison.measures import NOTHING
 from compare.records.record import Record
 from compare.validation.exact import AT_TIME, Exact, Sampling
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

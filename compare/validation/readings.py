@@ -12,7 +12,7 @@ from compare.records.record import Record, Records, Stated
 from compare.validation.conventions import Conventions
 from compare.validation.exact import AT_TIME, Sampling
 from semianalytic import Scene
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.loads import InterfaceLoad
 from semianalytic.scene.loading import Tractions

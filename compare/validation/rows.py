@@ -20,7 +20,7 @@ from compare.validation.bars import ALARM, SCATTER, Bar, JudgedRow, pooled_bar, 
 from compare.validation.exact import Exact, compared
 from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
-from semianalytic.arrays import Array, Mask
+from semianalytic.scene.arrays import Array, Mask
 
 PLACES = (0.1, 0.25, 0.5, 0.75, 0.95)
 """Positions over c_t T.  If a run has more stations, only those nearest to these have own rows."""

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 import slipfront as sf
 from compare.figures.style import describe, look
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 SCENE = sf.find("preloaded")
 NAMES, NOISE, WALKERS, STEPS = ("gain", "gain:left"), 0.1, 12, 1500

@@ -28,7 +28,7 @@ from compare.records.record import QUANTITIES, Record, Records
 from fem import simulate
 from fem.lines import simulate_line
 from semianalytic import Marched, solve
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.given.finding import find_scene
 
 Fields = Mapping[str, Array]

@@ -24,10 +24,10 @@ from rich.progress import track
 
 import semianalytic as sa
 from compare.tasks.workers import run_tasks
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.pair import check_bodies
 from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.named import NAMED_LINES, NAMED_SCENES
 from semianalytic.scene.loads import PULSE_SHAPES

@@ -20,9 +20,9 @@ from compare.figures.style import BLACK, SMALL, outline
 from docs.studies.lines import scene_along
 from docs.studies.runner import Point, Row, Study, drawn, main
 from semianalytic import InterfaceLoad, Material, Scene, SlipWeakening
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import STEP_RATIO
+from semianalytic.scene.arrays import Array
 
 SOLID = Material(1.0, 1.0, 0.25)
 SUB_RAYLEIGH, SUPERSHEAR = "sub-Rayleigh", "supershear"

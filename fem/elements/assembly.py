@@ -16,7 +16,7 @@ from skfem.element import Element
 from skfem.mesh import Mesh
 
 from meshes import side_nodes
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material
 
 
@@ -191,14 +191,9 @@ def stiffness(
     """Assemble the stiffness K in plane strain.
 
     scikit-fem integrates one element of each shape; the matrices are then added up over all
-    elements.  Nodes have new numbers (n,) if a place is given for each; nodes of the same number
-    are the same one.
-
-    Returns
-    -------
-    (2 n, 2 n) CSR array
-        Force per unit thickness per displacement [stress]; unknown 2 a + i is component i of
-        node a.  Entries that cancel between neighbouring elements are left out.
+    elements to (2 n, 2 n), force per unit thickness per displacement [stress]; unknown 2 a + i is
+    component i of node a.  Nodes have new numbers (n,) if a place is given for each; nodes of the
+    same number are the same one.  Entries that cancel between neighbouring elements are left out.
     """
     local, assembled = _element_stiffness(space, material), _assembler(space, place)
     # two matrices at a time, as real and imaginary part

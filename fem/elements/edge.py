@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from skfem import MeshQuad
 
 from fem.elements.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Space
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
@@ -46,15 +46,9 @@ def edge_offset(materials: Iterable[Material], held: int = 1) -> float:
 
     It is 0.24 at nu = 1/3.  It is rounded to millionths, so that a run is the same to the
     last bit with any linear algebra library, and is at most `FARTHEST`, which matters for
-    nu > 0.483.
-
-    Parameters
-    ----------
-    materials : iterable of Material
-        Materials of the two blocks; each counts in proportion to its compliance.
-    held : int
-        Component that the contact fixes: 1 where it is closed, 0 where it is stuck, whose edge
-        is elsewhere (0.40 h at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
+    nu > 0.483.  Each of the two materials counts in proportion to its compliance.  The contact
+    holds component 1 where it is closed, 0 where it is stuck, whose edge is elsewhere (0.40 h at
+    nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
     """
     bodies = list(materials)
     compliance = [1 / _static_modulus(body, held) for body in bodies]

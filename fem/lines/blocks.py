@@ -21,7 +21,7 @@ from fem.lines.line import Line
 from fem.march import body_matrix, highest_of_patch
 from fem.stepping import MarchedBody, critical_step
 from meshes.blocks import causal_margin
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.lines.blocks import LineBlock
 from fem.march import March
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

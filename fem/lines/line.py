@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array, Mask
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.material import Material
 

@@ -18,8 +18,8 @@ from fem.lines.blocks import LineBlock, check_work, make_blocks
 from fem.lines.gauges import GaugeHistory, Gauges
 from fem.lines.line import Line, Tractions
 from fem.march import March, SidePush, face_pair, half_window
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import checked_count, checked_size
 
 Progress = Callable[[int, int], None]

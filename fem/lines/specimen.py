@@ -19,7 +19,7 @@ from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import (
     check_fields,
     check_keys,

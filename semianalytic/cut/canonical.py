@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.layout import Layout
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import RayleighFactors
+from semianalytic.scene.arrays import Array
 
 
 def log_share(part: Array, whole: Array, rest: Array) -> Array:

@@ -8,10 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.layout import Layout, Zone
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Scene

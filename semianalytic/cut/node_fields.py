@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
@@ -18,6 +17,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
+from semianalytic.scene.arrays import Array
 
 _LAWFUL = -1.0
 

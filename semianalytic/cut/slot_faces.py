@@ -12,13 +12,13 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.laying import lay_panels
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Mode
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

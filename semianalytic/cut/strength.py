@@ -17,11 +17,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.stuck import traction_of
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True)

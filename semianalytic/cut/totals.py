@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.running import LEAST_SHARE, Power
 from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.scene.arrays import Array
 
 EARLIEST = 1e-200
 """Slowness of what has not begun."""

@@ -25,7 +25,6 @@ from typing import Self
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.load import Load, normal_load, per_set
 from semianalytic.cut.quadrature.laying import lay_panels
@@ -35,6 +34,7 @@ from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True)

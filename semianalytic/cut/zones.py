@@ -16,13 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import per_set
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.quadrature.running import PanelIntegral, Power, split_power
 from semianalytic.cut.transform import ZoneTransform
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.scene.arrays import Array
 
 
 class ZoneSlopes(ZoneTransform):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Complex
+from semianalytic.scene.arrays import Complex
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.material import Material
 

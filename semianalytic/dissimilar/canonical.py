@@ -30,9 +30,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Complex, Compliance
 from semianalytic.dissimilar.stretch import Values
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

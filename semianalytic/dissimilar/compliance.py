@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array, Complex
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
 LEAST_CONTRAST = 1e-6

@@ -19,8 +19,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex, Mask
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors, exponential, log_factor
+from semianalytic.scene.arrays import Array, Complex, Mask
 
 MOST_NODES = 512
 """Largest number of nodes that are read: the next one's factor is 1 to 2e-3 for beta = 0.3."""

@@ -20,9 +20,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.dissimilar.compliance import Compliance, compliance_of
 from semianalytic.dissimilar.thresholds import stoneley_speed
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.material import Material
 from semianalytic.scene.scene import Scene
 

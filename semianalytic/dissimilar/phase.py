@@ -13,9 +13,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
 from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.scene.arrays import Array
 
 _LARGEST_TURN = 0.5
 """Largest turn between points [rad]: half of it gives the same phases of 200 random pairs."""

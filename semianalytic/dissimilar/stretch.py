@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 Values = NDArray[Any]
 """Values that are real, or complex off the cut."""

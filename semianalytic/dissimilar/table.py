@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.stretch import Points, Stretch
+from semianalytic.scene.arrays import Array
 
 POINTS = 16
 """Chebyshev points per interval: a singularity pi / 2 away leaves 3e-9, in fields 1e-10."""

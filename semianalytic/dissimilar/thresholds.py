@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Compliance, Entries
 from semianalytic.dissimilar.growth import count_growing
 from semianalytic.dissimilar.phase import bonded_phase, contact_phase
 from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.scene.arrays import Array
 
 LEAST_FRICTION = 1e-6
 """Threshold below which it counts as 0, since no interface is that smooth."""

@@ -11,7 +11,6 @@ from typing import Literal
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
     NORMAL,
@@ -20,6 +19,7 @@ from semianalytic.dissimilar_slot.densities.profile import (
     PairProfile,
     ProfilePart,
 )
+from semianalytic.scene.arrays import Array
 
 Kind = Literal["excess", "pull", "reversed", "overlap"]
 

@@ -19,7 +19,6 @@ from functools import cached_property, partialmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Complex
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for, tolerance_of
@@ -30,6 +29,7 @@ from semianalytic.field.cells import Primitives
 from semianalytic.field.sources import Source
 from semianalytic.field.waves import Slowness, plane_wave, radiated
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
 
 _MIRRORED = np.array([1, -1, 1, 1, -1, 1, -1])

@@ -13,12 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.pair import PARAMETERS, TRACTIONS
 from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, OPENING, RATE, SHEAR, SLIP
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene

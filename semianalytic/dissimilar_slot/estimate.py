@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, edge_tractions, mismatch
 from semianalytic.halfplane.rules import sinc_step
+from semianalytic.scene.arrays import Array
 
 _COMPARED = np.linspace(-6.0, 6.0, 25)
 """Coordinates x of a panel at which rates are compared: between them they differ no more."""

@@ -20,11 +20,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, rayleigh_slowness
 from semianalytic.dissimilar_slot.densities.zones import MovingZone
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.collocation import (
     at_nodes,

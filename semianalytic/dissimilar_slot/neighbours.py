@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.canonical import glued
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.admissible import violations
@@ -38,6 +37,7 @@ from semianalytic.dissimilar_slot.densities.zones import Coordinates, edges_of
 from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.parameters.numbers import numbers_of, with_numbers
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
 

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
@@ -34,6 +33,7 @@ from semianalytic.dissimilar_slot.densities.zones import (
     moved,
     neighbours,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones.edges import broyden
 
 _SPACING = 0.36

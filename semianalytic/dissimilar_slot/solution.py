@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves
 from semianalytic.dissimilar_slot.densities.profile import (
     GAP,
@@ -24,6 +23,7 @@ from semianalytic.dissimilar_slot.densities.zones import MovingZone
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer

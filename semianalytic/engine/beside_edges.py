@@ -13,7 +13,6 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.grid_edge import (
     MOST_NODES,
     EdgeReading,
@@ -23,6 +22,7 @@ from semianalytic.dissimilar.grid_edge import (
 )
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.tuning import BESIDE_EDGE_ERROR, FILM_EDGE_ERROR, LEAST_GAP
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes

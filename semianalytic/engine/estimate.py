@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.beside_edges import EdgeNodes, film_share
 from semianalytic.engine.convergence import MEMORY_SAFETY, NARROW, Tried, order_seen, safety
 from semianalytic.engine.marched import Marched
@@ -20,6 +19,7 @@ from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.engine.stepping.tuning import LEAST_GAP, LEAST_ZONE, ZONE_NODES
 from semianalytic.engine.stepping.window import doubt_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
 

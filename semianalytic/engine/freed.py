@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, singular_edges
 from semianalytic.engine.bodies.motion import Motion, MotionRecord
 from semianalytic.engine.loads import FreeFaces, front_of
@@ -23,6 +22,7 @@ from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.slot import spans_to, spans_until
 from semianalytic.engine.stepping.advance import through
 from semianalytic.engine.stepping.blocks import EqualSteps, Reached
+from semianalytic.scene.arrays import Array
 
 MARGIN = 1.05
 """How far behind the edge fields are known, over the distance that waves travel."""

@@ -13,7 +13,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import Span, through
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level, Reached
@@ -24,6 +23,7 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.grid_edge import EdgeReading
 from semianalytic.engine.beside_edges import EdgeNodes, hidden_force, read_edge
 from semianalytic.engine.bodies.marched_bodies import MarchedBodies, bodies_on
@@ -30,6 +29,7 @@ from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
 

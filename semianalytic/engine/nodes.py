@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.convergence import Departure
 from semianalytic.engine.resolution import check_weakening_seen
 from semianalytic.engine.stepping import line as stepping_line
@@ -17,6 +16,7 @@ from semianalytic.memory.exponentials import Memory, fit_memory
 from semianalytic.memory.impedance import impedance_of
 from semianalytic.memory.line_memory import Past
 from semianalytic.results.memory import check_memory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.bodies.motion import MotionRecord
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.nodes import MarchCheckpoint
@@ -17,6 +16,7 @@ from semianalytic.engine.stepping.advance import Part, Taken, taken_of
 from semianalytic.engine.stepping.state import Extremes, State
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 

@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
 from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import CUT, Span, reached_at
@@ -17,6 +16,7 @@ from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.blocks import ClosedLine, EqualSteps, Level
 from semianalytic.engine.stepping.state import State
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.scene import Scene
 

@@ -8,7 +8,6 @@ from functools import cached_property, partial, partialmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
@@ -27,6 +26,7 @@ from semianalytic.field.sources import LikeBody
 from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Scene

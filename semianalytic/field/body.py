@@ -22,11 +22,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.field import tuning
 from semianalytic.field.cells import Primitives
 from semianalytic.field.sources import Source
 from semianalytic.field.waves import P_WAVE, S_WAVE, SHEAR, SUMS, Complex
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 Quantity = Literal["velocity", "stress", "displacement"]

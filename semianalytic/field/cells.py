@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.field import tuning
 from semianalytic.field.sources import Source
 from semianalytic.field.transform import powers
 from semianalytic.field.waves import Complex
+from semianalytic.scene.arrays import Array
 
 
 class Cell(NamedTuple):

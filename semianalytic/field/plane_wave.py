@@ -7,9 +7,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.bonded import bonded_waves, stresses
 from semianalytic.halfplane.hilbert import analytic
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.material import Material

@@ -9,11 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.field import tuning
 from semianalytic.field.transform import Centre, Transform
 from semianalytic.field.waves import SHEAR, Complex, Slowness, densities, plane_wave, reflected_wave
 from semianalytic.halfplane.rayleigh import RayleighFactors
+from semianalytic.scene.arrays import Array
 
 
 class Source(Protocol):

@@ -21,10 +21,10 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.field import tuning
 from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True)

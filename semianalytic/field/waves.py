@@ -29,8 +29,8 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Complex
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors
+from semianalytic.scene.arrays import Complex
 
 SHEAR = 0
 """Row of `densities` that holds S_v."""

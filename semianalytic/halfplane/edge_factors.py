@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 _CIRCLE = 1 << 16
 _NODES = 512

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
+from semianalytic.scene.arrays import Array, Complex
 
 _ENDS = (-0.999, -0.95, -0.8, -0.5, -0.2, 0.05, 0.2, 0.32, 0.4, 0.44, 0.47, 0.485)
 """Poisson ratios between which tables are interpolated; beyond them each table is computed."""

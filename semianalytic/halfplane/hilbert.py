@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loads import LoadHistory
 
 _REST = 1e-12

@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import RayleighFactors
+from semianalytic.scene.arrays import Array
 
 
 def impedance_on_axis(factors: RayleighFactors, eta: Array) -> Array:

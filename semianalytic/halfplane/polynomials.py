@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 """Points, in steps, and weights of the central difference of fourth order."""

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import chebyshev_series, gauss
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.stuck import StuckTraction, series_behind_front, stuck_traction
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.polynomials import chebyshev_series
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
 Mode = Literal["I", "II", "III"]

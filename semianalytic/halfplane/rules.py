@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.lazily import cached_property
+from semianalytic.scene.arrays import Array
 
 REACH = 1.5
 """Length of a rule over that of decay to its tolerance; beyond it exp(-|y| / 2) is continued."""

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.scene.arrays import Array
 
 Slope = Callable[[CutPoints, Array], Array]
 """Values (..., n) at points (n,) of the cut that are so far (n,) from the end of the integral."""

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import chebyshev_series, gauss
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Material, Tractions
 
 NEAR_FRONT = 0.04

@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.stuck import stress_intensity
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Material, Tractions
 

@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import Gauge
 from semianalytic.inversion.quoted import Quoted, quoted
 from semianalytic.inversion.samples import Samples
@@ -17,6 +16,7 @@ from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.in_words import html_table
 from semianalytic.results.reading import Measured
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution

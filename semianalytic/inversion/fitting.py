@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import Gauge, check_gauge
 from semianalytic.inversion.intervals import intervals
@@ -28,6 +27,7 @@ from semianalytic.inversion.unknowns import (
 )
 from semianalytic.inversion.verdict import covariance_of, verdict
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.given.finding import find, scene_of_one_solid

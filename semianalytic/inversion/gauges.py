@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene

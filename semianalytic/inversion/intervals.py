@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.search import WORTH, Minimum
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.verdict import LARGEST_CONDITION
+from semianalytic.scene.arrays import Array
 
 RISE = 1.0
 """Rise of chi2 at the ends of an interval: that at one standard error, if chi2 is a parabola."""

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.march import march
 from semianalytic.engine.marched import Marched
 from semianalytic.engine.stepping.line import with_period
@@ -20,6 +19,7 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
 from semianalytic.parameters.numbers import Number, numbers_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene

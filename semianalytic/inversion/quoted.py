@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.trials import FINER_SAFETY, Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.reading import Measured
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.sampling import sampled
 
 PLACES = 5

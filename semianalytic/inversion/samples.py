@@ -19,9 +19,9 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, component, seen
 from semianalytic.inversion.unknowns import Setup
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.solution import Solution
 

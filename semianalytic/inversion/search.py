@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import is_of_setup
+from semianalytic.scene.arrays import Array
 
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import scaled_load
 from semianalytic.inversion.gauges import INTERFACE, Gauge
 from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
@@ -23,6 +22,7 @@ from semianalytic.inversion.unknowns import (
     has_similarity,
     is_of_setup,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene

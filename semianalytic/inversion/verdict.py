@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.inversion.search import Minimum
 from semianalytic.inversion.trials import Trials
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.solution import Solution
 

@@ -8,7 +8,7 @@ from importlib import import_module
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 def cosines(values: Array, out: Array, kind: int = 2) -> None:

@@ -14,9 +14,9 @@ from typing import Protocol
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.memory.impedance import Impedance
 from semianalytic.memory.rational import SAMPLES, fitted, samples
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True, eq=False)

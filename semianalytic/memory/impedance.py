@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Complex
+from semianalytic.scene.arrays import Complex
 from semianalytic.scene.scene import Scene
 
 

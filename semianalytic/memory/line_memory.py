@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.memory.exponentials import Memory, SharedMemory
+from semianalytic.scene.arrays import Array, Complex
 
 
 @dataclass(frozen=True, eq=False)

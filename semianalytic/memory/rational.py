@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.errors import ComputationError
 
 SAMPLES = 60

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 

@@ -15,13 +15,13 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.reference.closed_forms import (
     over_shear_speed,
     rate_from_contact_edge,
     relative_rate,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.imaginary_axis import impedance_on_axis, over_axis
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material

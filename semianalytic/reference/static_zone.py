@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
 
 

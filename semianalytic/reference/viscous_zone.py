@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.reference.antiplane import antiplane_edge_speed
@@ -29,6 +28,7 @@ from semianalytic.reference.closed_forms import (
     over_shear_speed,
     relative_rate,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 

@@ -10,7 +10,6 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
@@ -30,6 +29,7 @@ from semianalytic.regimes.thresholds import (
     rooted,
     scene_of,
 )
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.solver import solve
 
 _FASTEST = -60.0  # `past_rayleigh` of a front indistinguishable from the longitudinal one

@@ -18,7 +18,6 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, root
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
@@ -26,6 +25,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.loading import REMOTE, SLOT, Tractions

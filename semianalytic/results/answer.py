@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.results.datasets import dataset
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.memory import check_memory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.scene import Scene
 

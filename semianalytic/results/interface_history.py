@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.datasets import dataset
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import SceneError
 
 FORMAT = "slipfront interface history 2"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 EDGE_STEPS = 2

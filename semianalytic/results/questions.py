@@ -7,10 +7,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import between
 from semianalytic.results.intervals import finite_times
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 Interval = TypeVar("Interval", SlipInterval, OpenInterval)

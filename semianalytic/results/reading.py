@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.answer import ARRIVALS, FIELDS
 from semianalytic.results.intervals import contact_positions, line_positions
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.scene import Scene
 
 SAMPLED_SAFETY = 1.6

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory, between
@@ -41,6 +40,7 @@ from semianalytic.results.questions import (
 )
 from semianalytic.results.reading import Measured, Reading, sampled_reading
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene

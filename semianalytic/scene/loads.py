@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import with_quantities

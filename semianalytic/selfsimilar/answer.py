@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number
 from semianalytic.selfsimilar.zones.motion import is_open
 

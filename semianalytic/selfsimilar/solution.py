@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.stuck import stress_intensity
@@ -19,6 +18,7 @@ from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.intervals import finite_times
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.contact import traction_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import Tractions

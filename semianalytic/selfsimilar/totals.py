@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import (
     contact_integral,
@@ -23,6 +22,7 @@ from semianalytic.cut.totals import (
 )
 from semianalytic.results.intervals import finite_times
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.answer import SelfSimilarAnswer
 from semianalytic.selfsimilar.zones.motion import SlipZone, over_slowness

@@ -21,7 +21,6 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import LEAST_BASE, Load, Opened, normal_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
@@ -29,6 +28,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 
 CLOSINGS = np.linspace(np.log(0.3), np.log(60.0), 6)

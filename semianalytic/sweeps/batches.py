@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones.coulomb import admissible
 from semianalytic.selfsimilar.zones.edges import Edges, moves
 from semianalytic.selfsimilar.zones.estimate import difference, loose_tolerance, missed_slip

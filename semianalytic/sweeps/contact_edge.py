@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import common_load, per_set, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
@@ -16,6 +15,7 @@ from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
 from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stress_intensity
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Tractions
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,13 @@ from time import perf_counter
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load, common_load, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.search import loose_search
 from semianalytic.selfsimilar.solution import Solution

@@ -11,11 +11,11 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones.coulomb import admissible
 from semianalytic.selfsimilar.zones.edges import moves
 from semianalytic.selfsimilar.zones.estimate import loose_tolerance, missed_slip, shift_error

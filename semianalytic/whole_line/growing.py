@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
 from semianalytic.results.intervals import contact_points
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import GrowingLoad
 from semianalytic.scene.scene import Scene

@@ -21,9 +21,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 _POINTS = 12

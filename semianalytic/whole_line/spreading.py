@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
     over_axis,
@@ -28,6 +27,7 @@ from semianalytic.halfplane.imaginary_axis import (
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 _NEAREST = -36.0

@@ -184,20 +184,12 @@ def _group(called: str) -> Any:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
+    """Run the command line, on the words of this process unless given, and return its exit code.
 
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words after ``slipfront``; those of this process by default.
-
-    Returns
-    -------
-    int
-        0 on success, 1 if two answers differ by more than their error bars allow, 2 for a usage
-        or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing or
-        broken package, 70 for a fault of the program, 130 when interrupted (the program itself
-        returns 143 if that was by SIGTERM), 141 if the reader of the output is gone.
+    It is 0 on success, 1 if two answers differ by more than their error bars allow, 2 for a usage
+    or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing or broken
+    package, 70 for a fault of the program, 130 when interrupted (the program itself returns 143 if
+    that was by SIGTERM), 141 if the reader of the output is gone.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     for stream in (sys.stdout, sys.stderr):  # replace what a terminal cannot show, do not fail

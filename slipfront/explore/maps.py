@@ -10,9 +10,9 @@ import numpy as np
 
 from compare.comparison.scales import stress_scale
 from semianalytic import Scene, Solution, TensionError, Tractions, solve
-from semianalytic.arrays import Array
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.regimes import regime
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.sweeps.sweep import sweep
 

@@ -33,7 +33,7 @@ from bokeh.plotting import figure
 
 from compare.comparison.scales import LOWER, WAVE_SYMBOLS
 from compare.figures import style
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from slipfront.explore.board import Board
 from slipfront.explore.maps import REGIMES, RegimeMap
 from slipfront.explore.views import KINDS, FieldView, InterfaceView, SpaceTimeView

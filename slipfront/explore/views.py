@@ -20,8 +20,8 @@ from compare.comparison.scales import (
 )
 from compare.figures.fronts import fronts, moving_parts, reach
 from semianalytic import Marched, Scene
-from semianalytic.arrays import Array
 from semianalytic.results.in_words import digits_apart, kind_of_slip, number_or_infinity
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import unit
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 

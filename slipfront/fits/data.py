@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,17 +15,15 @@ from compare.records.names import NOISE
 from compare.records.read import read_records
 from compare.records.record import AFTER, Placed, ReadingOptions, Record, Records
 from compare.validation.readings import base_of, faces_are_mirrored
-from semianalytic.arrays import Array
 from semianalytic.inversion.gauges import FIELDS, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
 
 Subject = Scene | None
 """Scene that is fitted; None where it is not known yet."""
-_Made = tuple[Callable[[str], Gauge], str]
-"""A function that makes a gauge of a given name, and the gauge's quantity."""
 _BASES = ("base_shear", "base_pressure", "shear", "pressure")
 
 
@@ -90,7 +90,8 @@ def gauges_and_notes(
     paths = [paths] if isinstance(paths, str | PathLike) else paths
     if not (np.iterable(paths) and all(isinstance(p, str | PathLike) for p in paths)):
         raise SceneError(f"read_gauges: paths must be a path or several, got {shown(paths)}.")
-    parts: list[_Made] = []
+    made: list[Gauge] = []
+    counts: Counter[str] = Counter()
     notes: dict[str, None] = {}
     unread: dict[str, None] = {}
     options = ReadingOptions(
@@ -98,16 +99,11 @@ def gauges_and_notes(
     )
     runs = read_records(list(paths), options)
     for run in runs:
-        parts += _of_run(run, given, scene, fitted, notes)
+        made += _of_run(run, given, scene, fitted, notes, counts)
         unread |= dict.fromkeys(run.unread)
-    if not parts:
+    if not made:
         sources = ", ".join(run.source for run in runs)
         raise DataFileError(f"{sources}: there is no station on the contact, x > 0; shift x.")
-    counts: dict[str, int] = {}
-    made = []
-    for make, quantity in parts:
-        counts[quantity] = counts.get(quantity, 0) + 1
-        made.append(make(f"{quantity}-{counts[quantity]}"))
     return tuple(made), tuple(notes), tuple(unread)
 
 
@@ -129,8 +125,9 @@ def _of_run(
     scene: Subject,
     fitted: Collection[str],
     notes: dict[str, None],
-) -> Iterator[_Made]:
-    """Yield a maker and the quantity of each gauge of a run, by quantity; add notes on them."""
+    counts: Counter[str],
+) -> Iterator[Gauge]:
+    """Yield the gauges of a run, by quantity, counted by it; add notes on them."""
     notes |= dict.fromkeys(run.notes)
     if run.arrivals is not None:
         raise DataFileError(
@@ -170,7 +167,9 @@ def _of_run(
             spread: float | Array | None = noise.get(quantity, noise.get(""))
             if known is not None:
                 spread = known[here]
-            yield _maker(run.source, quantity, record, (t, values), spread, abs(factor)), quantity
+            counts[quantity] += 1
+            named = replace(record, name=record.name or f"{quantity}-{counts[quantity]}")
+            yield _gauge(run.source, quantity, named, (t, values), spread, abs(factor))
 
 
 def _check_faces(run: Records, scene: Subject) -> None:
@@ -198,15 +197,15 @@ def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> Non
         )
 
 
-def _maker(
+def _gauge(
     source: str,
     quantity: str,
     record: Record,
     sample: tuple[Array, Array],
     spread: float | Array | None,
     factor: float,
-) -> Callable[[str], Gauge]:
-    """Return a function that makes a gauge of a given name; noise takes the factor of samples."""
+) -> Gauge:
+    """Return the gauge of a record; its noise takes the factor of the samples."""
     t, values = sample
     if spread is None:
         raise DataFileError(
@@ -215,13 +214,8 @@ def _maker(
         )
     if isinstance(spread, float | int):  # then the number that was given is to blame, not the file
         checked_noise(factor * spread, values)
-
-    def make(name: str) -> Gauge:
-        try:
-            name = record.name or name
-            return Gauge(record.x, t, values, factor * spread, quantity, record.y, name)
-        except SceneError as refusal:
-            where = f"x = {record.x:g}" + ("" if record.y is None else f", y = {record.y:g}")
-            raise DataFileError(f"{source}, {quantity} at {where}: {refusal}") from refusal
-
-    return make
+    try:
+        return Gauge(record.x, t, values, factor * spread, quantity, record.y, record.name)
+    except SceneError as refusal:
+        where = f"x = {record.x:g}" + ("" if record.y is None else f", y = {record.y:g}")
+        raise DataFileError(f"{source}, {quantity} at {where}: {refusal}") from refusal

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures import style
-from semianalytic.arrays import Array
 from semianalytic.inversion.fitted import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
 from semianalytic.results.plotting import SHOWN, shown_number
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import SI, unit
 from slipfront.fits.documents import dimension
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.parameters.numbers import numbers_of, spelled
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.marched import Marched
 from semianalytic.methods import chosen, solve
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.results.answer import Answer
 from semianalytic.results.intervals import front_speeds
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError, SlipfrontError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution

@@ -12,7 +12,7 @@ import scipy
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.fields.fronts import SceneFronts
 from compare.comparison.fields.pairs import Norms, Pair, area_norm, norms_of
-from semianalytic.arrays import Array, Mask
+from semianalytic.scene.arrays import Array, Mask
 
 PARTS = ("whole", "outside the band")
 SAME = 1e-6

@@ -13,8 +13,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.files import check_seal
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
 
 if TYPE_CHECKING:

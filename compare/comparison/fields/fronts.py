@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic import Scene
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 FLANK = 0.1
 """Least change of a load, over its largest value, in a flank that counts as a jump."""

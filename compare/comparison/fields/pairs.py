@@ -11,8 +11,8 @@ import numpy as np
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.measures import NOTHING
 from compare.output.field_files import resolved
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.gridded import AnswerInBodies
+from semianalytic.scene.arrays import Array, Mask
 
 SAMPLED = 60_000
 """Largest number of nodes or elements at which displacement and stress are compared.

@@ -34,13 +34,13 @@ from compare.comparison.rows import Row
 from fem.lines import LineSimulation
 from fem.march import RATE_WINDOW
 from semianalytic import Marched
-from semianalytic.arrays import Array, Mask
 from semianalytic.engine.stepping.pace import in_fours
 from semianalytic.engine.stepping.tuning import LEAST_GAP
 from semianalytic.results.answer import FIELDS, SlipInterval
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.intervals import slip_intervals
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.laws.law import follows_path
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes

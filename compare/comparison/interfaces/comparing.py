@@ -69,17 +69,6 @@ def compare_interface(
     are a multiple of 4, as many as about half a minute allows unless given.  `progress` is called
     with (step, steps) of the finest mesh, which takes most of the time; options are those of `run`.
     Errors are those of `compare`.
-
-    Examples
-    --------
-    >>> import semianalytic as sf
-    >>> from compare.comparison.interfaces.comparing import compare_interface
-    >>> patch = sf.InterfaceLoad(lambda x: 1.0 * (abs(x) < 1))
-    >>> solid = sf.Material(1.0, 1.0, 0.25)
-    >>> where = {"contact": sf.Contact(), "period": 8.0}
-    >>> patched = sf.Scene(solid, 0.5, sf.Tractions(1.0, 0.0), patch, **where)
-    >>> compare_interface(patched, 1.0, nodes=128).verdict
-    'agrees'
     """
     end_time = checked_size("compare: end_time", end_time)
     scene = with_period(scene, end_time)

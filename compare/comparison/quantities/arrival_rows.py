@@ -28,7 +28,7 @@ from compare.comparison.quantities.arrivals import (
 )
 from compare.comparison.rows import Row
 from compare.comparison.scales import contact_fronts, scene_fronts
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from compare.comparison.measures import within
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 Waveform = Callable[[Array], Array]
 Table = tuple[Array, Array]
@@ -78,26 +78,12 @@ def aligned_speed(
 ) -> float | None:
     """Speed at which a record shows the front that a prediction has in a window.
 
-    The prediction, stretched to ``prediction(velocity / s)``, is laid over the record; the
-    stretch s that leaves the smallest difference, smooth trends aside, gives the speed.
-
-    Parameters
-    ----------
-    velocity, values : (n,) arrays
-        The record: similarity velocities |x|/t [length / time], increasing, and its values there.
-    prediction : callable
-        The waveform expected at an array of velocities, in the units of `values`.
-    window : FrontWindow
-        Part of the record that is aligned, and the predicted speed.
-    misfit : float
-        Largest part of the record's roughness that may be left unexplained.
-
-    Returns
-    -------
-    float or None
-        s times the predicted speed [length / time]; None if fewer samples than can be aligned lie
-        in the window, no stretch within it fits better than its neighbours, or the best one
-        leaves too much unexplained.
+    The prediction, stretched to ``prediction(velocity / s)``, is laid over the record, (n,) at
+    increasing similarity velocities |x|/t [length / time], in the window around the predicted
+    speed; the stretch s that leaves the smallest difference, smooth trends aside, gives the speed,
+    s times the predicted one.  It is None if fewer samples than can be aligned lie in the window,
+    no stretch within it fits better than its neighbours, or the best one leaves more unexplained
+    than the misfit, a part of the record's roughness.
     """
     inside = within(velocity, window.lower, window.upper)
     if np.count_nonzero(inside) < LEAST_SAMPLES:

@@ -25,9 +25,9 @@ from compare.comparison.measures import (
 )
 from compare.comparison.rows import Row
 from semianalytic import Harmonic
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
+from semianalytic.scene.arrays import Array, Mask
 
 Senses = NDArray[np.int8]
 

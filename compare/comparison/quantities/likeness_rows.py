@@ -18,8 +18,8 @@ from compare.comparison.case import FIELDS, LEAST_PEAK, WHOLE_STEPS, Case
 from compare.comparison.judging import least_error
 from compare.comparison.measures import EARLY, ROUNDING
 from compare.comparison.rows import UNLIKE, Row
-from semianalytic.arrays import Array
 from semianalytic.results.sampled import interpolated
+from semianalytic.scene.arrays import Array
 
 if TYPE_CHECKING:
     from fem import Simulation

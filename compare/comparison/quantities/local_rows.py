@@ -14,9 +14,9 @@ from compare.comparison.case import Case
 from compare.comparison.judging import judged
 from compare.comparison.measures import ROUNDING
 from compare.comparison.rows import Row
-from semianalytic.arrays import Array, Mask
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import interpolated
+from semianalytic.scene.arrays import Array, Mask
 
 BAND = 2
 """Number of elements of the coarsest mesh on either side of fronts and edges that are left out; the

@@ -17,7 +17,7 @@ from compare.comparison.case import FIELDS, WHOLE_STEPS, Case, companions_of
 from compare.comparison.judging import judged
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import TELLING, Row
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from compare.comparison.case import EDGE_CELLS, UNSEEN, Case, own_wear, too_narr
 from compare.comparison.judging import profile_row
 from compare.comparison.measures import NOTHING, ROUNDING, norm, within, worn
 from compare.comparison.rows import Row
-from semianalytic.arrays import Array
 from semianalytic.results.answer import OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arrays import Array
 
 Answers = Callable[[ArrayLike, ArrayLike], Array]
 

@@ -12,7 +12,7 @@ from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import Compared, field_row
 from compare.comparison.measures import within
 from compare.comparison.rows import Row
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 
 def slot_rows(case: Case) -> Iterator[Row]:

@@ -16,11 +16,11 @@ from scipy.integrate import cumulative_trapezoid, quad
 import semianalytic as sf
 from docs.studies.lines import scene_along
 from docs.studies.runner import Row, Study, main
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.steps import Stepper
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
 from semianalytic.memory.impedance import Antiplane, Impedance, InPlane
 from semianalytic.reference.ruptures import critical_wavenumber, growth, supershear_strength
+from semianalytic.scene.arrays import Array
 
 MODES: dict[str, Impedance] = {"II": InPlane(1 / math.sqrt(3)), "III": Antiplane()}
 UNIT, SOLID = sf.Material(1.0, 1.0, 0.25), sf.Material(1.0, 1.0, 1 / 3)

@@ -23,7 +23,7 @@ from compare.figures.snapshots import snapshot_figure
 from docs.studies.runner import Point, Row, Study, main, number
 from fem import Simulation, simulate
 from semianalytic import Solution, find, solve
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 DRAWN = "lift-off-shear"
 MESHES = 50, 100, 200

@@ -17,8 +17,8 @@ import numpy as np
 import semianalytic as sf
 from compare.comparison.measures import relative_error
 from docs.studies.runner import Point, Row, Study, main
-from semianalytic.arrays import Array
 from semianalytic.results.answer import Answer
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.contact import process_zone
 
 SELF_SIMILAR = ("preloaded", "remote-shock", "auxetic", "antiplane")

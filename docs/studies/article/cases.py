@@ -24,9 +24,9 @@ from docs.studies.article.prescribed import slipping_half_plane
 from docs.studies.runner import Row
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions, solve
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loading import REMOTE
 
 END_TIME, SHEAR_SPEED = 0.01, 5.0

@@ -17,8 +17,8 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from docs.studies.article.kernels import SlipHistory
 from semianalytic import Material
-from semianalytic.arrays import Array
 from semianalytic.halfplane.rayleigh import Mode
+from semianalytic.scene.arrays import Array
 
 _STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 

@@ -30,10 +30,10 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 from scipy.optimize import brentq
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 Start = Literal["0", "a", "b"]

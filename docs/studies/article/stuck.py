@@ -19,7 +19,6 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from docs.studies.article.kernels import square_root_panels
-from semianalytic.arrays import Array
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import (
@@ -30,6 +29,7 @@ from semianalytic.halfplane.stuck import (
 )
 from semianalytic.halfplane.stuck_histories import superposed
 from semianalytic.results.intervals import contact_points
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loads import LoadHistory, Wave
 from semianalytic.scene.scene import Material
 

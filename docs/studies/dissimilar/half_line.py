@@ -12,11 +12,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.phase import SlipPhase, slip_phase
 from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.halfplane.polynomials import gauss
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 
 _REACH, _PIECE = 36.0, 1.5

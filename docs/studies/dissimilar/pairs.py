@@ -17,8 +17,8 @@ from compare.comparison.fields.errors import FieldErrors, field_errors
 from docs.studies.runner import Row
 from fem import Simulation, simulate, with_companions
 from semianalytic import Coulomb, Material, Scene, Tractions
-from semianalytic.arrays import Array
 from semianalytic.dissimilar_slot.solution import PairSolution
+from semianalytic.scene.arrays import Array
 
 FIELDS_RESOLUTION = 64
 """Elements over the way of a shear wave of the upper body; companions have half and a quarter."""

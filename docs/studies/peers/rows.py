@@ -16,7 +16,7 @@ import numpy as np
 import semianalytic as sf
 from docs.studies.pages import DATA, read_data
 from docs.studies.runner import Row, write_table
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 
 FILE = DATA / "peers.csv"
 

@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.regimes import Loading, scene_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones.collocation import lemke, slip_grid
 

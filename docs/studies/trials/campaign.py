@@ -22,7 +22,7 @@ import semianalytic as sf
 from docs.studies.runner import Row, Study, main
 from docs.studies.trials.draws import drawn, random_wide_scene
 from semianalytic import Solution
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones.motion import OpenZone, SlipZone
 
 SCENES, SEED = 5000, 3

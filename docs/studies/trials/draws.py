@@ -12,9 +12,9 @@ import numpy as np
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
-from semianalytic.arrays import Array
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loading import REMOTE, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
 

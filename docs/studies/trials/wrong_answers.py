@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 import semianalytic as sf
 from fem import Simulation
 from fem.lines import LineSimulation
-from semianalytic.arrays import Array
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.loading import SLOT
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.layout import Layout, Zone, outline
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors, from_front
 from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.scene.arrays import Array
 
 
 def _steps(points: list[CutPoints], parts: Array) -> Array:

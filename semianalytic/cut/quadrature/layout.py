@@ -13,9 +13,9 @@ from itertools import groupby
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

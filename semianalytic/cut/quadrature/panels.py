@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.layout import Layout, Pairs
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints, from_front
 from semianalytic.halfplane.rules import Rule
+from semianalytic.scene.arrays import Array
 
 MANY_NODES = 1.2e7
 """Sets of zones times the cube of nodes per panel from which it pays to leave some nodes out."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.scene.arrays import Array
 
 LEAST_SHARE = 1e-8
 """Share of a panel down to which a density at its end is taken as it is."""

@@ -22,7 +22,6 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
@@ -36,6 +35,7 @@ from semianalytic.dissimilar_slot.densities.panels import (
 )
 from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
 from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
+from semianalytic.scene.arrays import Array
 
 Factor = tuple[Array, bool] | None
 """Cholesky factor of normal equations, as scipy gives it; None if they are singular."""

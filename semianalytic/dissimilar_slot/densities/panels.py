@@ -19,11 +19,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Complex, Entries
 from semianalytic.dissimilar.stretch import Points, Stretch, Values
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,11 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.stretch import Values
 from semianalytic.halfplane.polynomials import gauss
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar.table import (
     Intervals,
@@ -26,6 +25,7 @@ from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
 from semianalytic.dissimilar_slot.densities.poles import Pole
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.halfplane.rules import sinc_step
+from semianalytic.scene.arrays import Array
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 """Functions of a profile: V, U, their integrals over slowness, tau and sigma beyond the base."""

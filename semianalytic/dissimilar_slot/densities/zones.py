@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True)

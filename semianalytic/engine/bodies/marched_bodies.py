@@ -18,7 +18,6 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.bodies.motion import Levels, Motion
 from semianalytic.engine.bodies.spectrum import Asked, Spectrum, between, steady
 from semianalytic.engine.stepping.line import Grid
@@ -27,6 +26,7 @@ from semianalytic.field.plane_wave import plane_wave
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.results.derived import hooke
 from semianalytic.results.questions import ROUNDING, check_times
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array, Complex
+from semianalytic.scene.arrays import Array, Complex
 
 Single = NDArray[np.float32]
 

@@ -12,9 +12,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array, Complex
 from semianalytic.engine.bodies.motion import Levels
 from semianalytic.engine.bodies.transfer import decays, potentials
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
 Asked = Literal["velocity", "displacement", "strain"]

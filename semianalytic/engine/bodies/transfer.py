@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array, Complex
+from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
 Drive = tuple[Any, Any]

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.fronts import ActingFront
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.pace import in_fours, nodes_for_contact
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import moving, sampled
 from semianalytic.scene.line.fields import at_nodes

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.blocks import (
     BLOCK_STEPS,
     ClosedLine,
@@ -24,6 +23,7 @@ from semianalytic.engine.stepping.blocks import (
     Reached,
 )
 from semianalytic.engine.stepping.state import State
+from semianalytic.scene.arrays import Array
 
 CUT = 1e-9
 """Steps that almost reach a stop, by so much of their length, are stretched to it: no sliver is

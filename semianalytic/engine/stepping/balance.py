@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import area_means
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.law import Law
 
 

@@ -10,11 +10,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.balance import Balance
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.means import check_feedback, damped
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.laws.law import Law
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.bonded import bonded_tractions
 from semianalytic.halfplane.hilbert import comes_back, transformed
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.pace import LoadPace
 from semianalytic.engine.stepping.state import State
 from semianalytic.engine.stepping.tuning import LADDER
 from semianalytic.engine.stepping.unilateral import Unilateral
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
 

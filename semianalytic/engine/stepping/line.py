@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.tuning import LARGEST_HORIZON
 from semianalytic.memory.cosines import cosines, from_cosines
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.memory.line_memory import Kernels, LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.line.loads import InterfaceLoad
 from semianalytic.scene.scene import Scene

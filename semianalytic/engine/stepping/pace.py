@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.fronts import ActingFront, acting_loads
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.unilateral import Faces
 from semianalytic.results.questions import ONSET_SHARE, onsets_until
+from semianalytic.scene.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

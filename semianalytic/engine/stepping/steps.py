@@ -10,7 +10,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.acting import ActingLoads, check_even, check_touching
 from semianalytic.engine.stepping.advance import Span
@@ -26,6 +25,7 @@ from semianalytic.engine.stepping.tuning import BOUND_SHARE
 from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.stepping.window import check_window
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.laws.law import check_law, check_rate
 from semianalytic.scene.laws.sampling import sampled

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.memory.line_memory import LineMemory
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.line.contact import Adhesion
 
 

@@ -13,11 +13,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.kernels import BodyPair, PairImpedance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stability import sliding_stability
 from semianalytic.dissimilar.thresholds import growth_threshold
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.law import Law
 

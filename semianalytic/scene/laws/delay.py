@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite
 from semianalytic.scene.laws.law import Law, not_negative, positive
 

@@ -11,7 +11,7 @@ from typing import Any, Self, cast
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike, expression

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 

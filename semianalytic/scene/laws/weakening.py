@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
 from semianalytic.scene.quantities import with_quantities

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array, Mask
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.scene.arguments import checking
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from semianalytic.arrays import Array
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.tables.bounds import (
     LARGEST_TEXT,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.derivatives.varied import VariedProfile, edges_of_zones
 from semianalytic.selfsimilar.zones import tuning
 

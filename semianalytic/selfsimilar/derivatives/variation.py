@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.node_fields import SECOND_ORDER, NodeFields, Stencil, stencils
 from semianalytic.cut.profile import Profile
@@ -24,6 +23,7 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.polynomials import FOURTH_ORDER
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.edges import Edges, edges_of

@@ -18,13 +18,13 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.node_fields import NodeFields
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.panels import Panels
 from semianalytic.cut.quadrature.running import PanelIntegral, Power
 from semianalytic.halfplane.rayleigh import CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.derivatives.variation import Variation
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Layout
@@ -18,6 +17,7 @@ from semianalytic.cut.quadrature.running import PanelIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.stuck import traction_of
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.law import Law
 from semianalytic.scene.scene import Scene
 

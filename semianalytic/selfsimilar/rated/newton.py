@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.rated.law import RateStep, SlipRate, UnitLaw
 from semianalytic.selfsimilar.rated.steepness import held_rule
 from semianalytic.selfsimilar.zones import tuning

@@ -19,12 +19,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 

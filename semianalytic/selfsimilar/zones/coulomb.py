@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones import tuning
 
 _APART = (False, False)

@@ -11,13 +11,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones import tuning
 
 

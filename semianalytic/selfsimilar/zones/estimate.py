@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import contact_integral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.coulomb import largest_excess
 from semianalytic.selfsimilar.zones.edges import Edges, edge_shift, moves

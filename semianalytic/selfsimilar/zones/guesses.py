@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.collocation import GridSlip, is_open, slip_on_grid

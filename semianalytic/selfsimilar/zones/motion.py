@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.arrays import Array, Mask
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.halfplane.rayleigh import CutPoints
 from semianalytic.results.intervals import contact_points
+from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.weak_friction import slip_senses

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.arrays import Array
 from semianalytic.cut.load import Load
 from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors
 from semianalytic.halfplane.rules import Rule
+from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.edges import Edges, broyden, edge_shift, edges_of
 

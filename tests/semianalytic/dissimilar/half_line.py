@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from docs.studies.dissimilar.half_line import half_line_speed, phase_rule
-from semianalytic.arrays import Array
 from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.phase import slip_phase
 from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.scene.arrays import Array
 
 REACH, SPACING = 36.0, 0.25
 """Largest |x| on a stretch, and spacing of x."""

@@ -26,9 +26,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from docs.studies.article.kernels import square_root_panels
-from semianalytic.arrays import Array
 from semianalytic.halfplane.polynomials import gauss
 from semianalytic.halfplane.rayleigh import Mode, RayleighFactors, rayleigh_factors
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 

@@ -104,7 +104,7 @@ REFUSED = {
     ],
     "field preloaded": [
         ("--of szz", "--of must be one of speed, pressure"),
-        ("--format avi", "--format must be one of gif, mp4"),
+        ("--format avi", "--format must be gif or mp4"),
         ("--grid 3,3", "--grid needs --vtu"),
         ("--format mp4", "--format is that of --animate; give both"),
         ("--samples 5", "--samples are those of --gauge; give both"),

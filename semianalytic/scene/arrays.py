@@ -1,10 +1,8 @@
-"""Types of arrays, each under one name."""
-
-from __future__ import annotations
+"""Types of arrays, as annotations name them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Complex = NDArray[np.complex128]
+Mask = NDArray[np.bool_]
