@@ -39,7 +39,7 @@ Flags = NDArray[np.bool_]
 STEPS = 0.3, 0.8
 """Spacing of levels over h / c_t: shorter and longer steps of a march are interpolated."""
 MOST_LEVELS = 1 << 25
-"""Largest number of levels times nodes, of which the waves take 24 bytes each."""
+"""Largest number of levels times nodes, of which rates take 12 bytes each, with opening 24."""
 STICKS = 1e-3
 """Part of the slip of a slot next to an edge up to which the contact there sticks."""
 AT_ONCE = 128
@@ -170,14 +170,13 @@ class MarchedBodies:
 
     def _summed(self, lower: bool, asked: Asked, x: Array, depth: Array, t: Array) -> Array:
         """Return rows at points (p,) of one body, by sums for each depth or for each time."""
-        spectrum = self._spectrum(lower)
         times, depths = np.unique(t), np.unique(depth)
         found = np.empty((5 if asked == "strain" else 3, len(x)))
         # what a depth costs, and a time, over what a wave at one depth does
         if len(times) * (30 + 6 * len(depths)) < 150 * len(depths):
             for time in times:
                 at = t == time
-                found[:, at] = spectrum.picture(asked, x[at], depth[at], float(time))
+                found[:, at] = self._spectrum.picture(lower, asked, x[at], depth[at], float(time))
             return found
         levels = self._levels
         for level in depths:
@@ -258,35 +257,23 @@ class MarchedBodies:
         return 0.0 if self.scene.held == math.inf else 2 * math.pi / self.scene.held
 
     @cached_property
-    def _rates(self) -> dict[str, Array]:
-        """Mean rates between the levels."""
-        motion, along = self.motion, "z" if self.scene.antiplane else "x"
-        rates = {along: self._levels.means(motion.t, motion.slip)}
-        if motion.opening.size:
-            rates["y"] = self._levels.means(motion.t, motion.opening)
-        return rates
-
-    @cached_property
     def _histories(self) -> Callable[..., Array]:
         """Histories of a field at one depth and some places, which gauges ask for repeatedly."""
         return lru_cache(maxsize=KEPT)(
-            lambda lower, asked, depth, *x: self._spectrum(lower).histories(
-                asked, np.array(x), depth
+            lambda lower, asked, depth, *x: self._spectrum.histories(
+                lower, asked, np.array(x), depth
             )
         )
 
     @cached_property
-    def _spectra(self) -> dict[bool, Spectrum]:
-        return {}
-
-    def _spectrum(self, lower: bool) -> Spectrum:
-        """Return the waves that a face sends."""
-        if lower not in self._spectra:
-            grid = self.first, self.spacing
-            self._spectra[lower] = Spectrum.of(
-                self._levels, self._solids, lower, *grid, self._rates, self._held, self.centre
-            )
-        return self._spectra[lower]
+    def _spectrum(self) -> Spectrum:
+        """The waves that the faces send."""
+        motion, along = self.motion, "z" if self.scene.antiplane else "x"
+        rates = {along: self._levels.means(motion.t, motion.slip)}
+        if motion.opening.size:
+            rates["y"] = self._levels.means(motion.t, motion.opening)
+        grid = self.first, self.spacing
+        return Spectrum.of(self._levels, self._solids, *grid, rates, self._held, self.centre)
 
     def _displaced(self, x: Array) -> Array:
         """Return how far from places x (p,) the grid has what belongs there [length].

@@ -24,6 +24,8 @@ ECHOES = 20
 """Times of a shear wave along the line until waves of an event have died out, as in memories."""
 FALL = 1e-9
 """Value of exp(-eta t) at the end of the window of a transform."""
+TOGETHER = 32
+"""Times that are transformed, and nodes that are interpolated, at once: they stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,27 +191,31 @@ class Levels:
         apart = np.abs(at[:most] - t[:most]) > 1e-9 * self.step
         alike = (int(np.argmax(apart)) if apart.any() else most) - 1
         before = max(alike - 2, 0)
+        if alike >= self.count:
+            return np.asarray(rates[: self.count])
         found = np.empty((self.count, rates.shape[1]))
         found[:alike] = rates[:alike]
-        if alike < self.count:
-            found[alike:] = _resampled(t[before:], rates[before:], at[alike:]) / self.step
+        for start in range(0, rates.shape[1], TOGETHER):
+            some = slice(start, start + TOGETHER)
+            here = _resampled(t[before:], rates[before:, some], at[alike:])
+            found[alike:, some] = here / self.step
         return found
 
     def lines(self, means: Array) -> Complex:
-        """Return transforms along x of mean rates (count, n), fallen and faded, (q, size)."""
+        """Return transforms along x of mean rates (count, n), (n // 2, count)."""
         from scipy.fft import rfft
 
-        fading = self.fading
-        beyond = np.arange(1, fading + 1)
-        # a point reflection about the last value goes on smoothly, while the cosine fades it out
-        fade = np.square(np.cos(np.pi / 2 * beyond / (fading + 1)))[:, None]
-        after = fade * (2 * means[-1] - means[np.maximum(self.count - 1 - beyond, 0)])
-        nodes, middles = means.shape[1], self.step * (np.arange(self.count + fading) + 0.5)
-        falls = (self.step / nodes * np.exp(-self.fall * middles))[:, None]
-        lines = np.zeros((nodes // 2 + 1, self.size), dtype=complex)
-        lines[:, : self.count] = rfft(means * falls[: self.count]).T
-        lines[:, self.count : self.count + fading] = rfft(after * falls[self.count :]).T
+        lines = np.empty((means.shape[1] // 2, self.count), dtype=complex)
+        for start in range(0, self.count, TOGETHER):
+            rows = slice(start, start + TOGETHER)
+            lines[:, rows] = rfft(means[rows].astype(float))[:, : len(lines)].T
         return lines
+
+    @cached_property
+    def _falls(self) -> Array:
+        """Falls of the means until they have faded, (count + fading,)."""
+        middles = self.step * (np.arange(self.count + self.fading) + 0.5)
+        return np.asarray(self.step * np.exp(-self.fall * middles))
 
     @cached_property
     def _factor(self) -> Complex:
@@ -222,13 +228,18 @@ class Levels:
         taper = np.exp(-36.0 * (s.imag / s.imag[-1]) ** 8)
         return np.asarray(np.exp(-1j * z.imag) * z / np.sinh(z) * taper)
 
-    def transformed(self, lines: Complex) -> tuple[Complex, Complex]:
-        """Return the amplitudes of exp(s t + i q x) and exp(s t - i q x) of some `lines`."""
-        from scipy.fft import fft
+    def transformed(self, lines: Array) -> Complex:
+        """Return the amplitudes of exp(s t) of mean rates (q, count), fallen and faded."""
+        from scipy.fft import rfft
 
-        half = self.size // 2 + 1
-        every = fft(lines, axis=1)
-        return every[:, :half] * self._factor, every[:, -np.arange(half)].conj() * self._factor
+        count, beyond = self.count, np.arange(1, self.fading + 1)
+        # a point reflection about the last value goes on smoothly, while the cosine fades it out
+        fade = np.square(np.cos(np.pi / 2 * beyond / (self.fading + 1)))
+        after = fade * (2 * lines[:, -1:] - lines[:, np.maximum(count - 1 - beyond, 0)])
+        fallen = np.zeros((len(lines), self.size))
+        np.multiply(lines, self._falls[:count], out=fallen[:, :count])
+        np.multiply(after, self._falls[count:], out=fallen[:, count : count + self.fading])
+        return np.asarray(rfft(fallen) * self._factor)
 
 
 def _resampled(t: Array, rates: Any, at: Array) -> Array:

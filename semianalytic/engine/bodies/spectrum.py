@@ -6,24 +6,22 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
-from typing import Any, Literal, NamedTuple
+from itertools import pairwise, product
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.engine.bodies.motion import Levels
-from semianalytic.engine.bodies.transfer import decays, potentials
+from semianalytic.engine.bodies.transfer import FALLEN, decays, driven, laid_down
 from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
 Asked = Literal["velocity", "displacement", "strain"]
 
-BLOCK = 1 << 14
-"""Pairs of wavenumber and frequency that are formed at once: they stay in the cache, and products
-for ten places are too small for several threads, which would wait for one another."""
-FALLEN = 35.0
-"""Waves that have fallen by more than exp of this do not count."""
+BLOCK, TOGETHER = 1 << 14, 16
+"""Pairs of wavenumber and frequency that are formed at once, and wavenumbers among them: they stay
+in the cache."""
 TURNS = (1.0, -1.0, -1.0), (1.0, 1.0, -1.0)
 """Signs of the derivatives of cosines and sines, by their order."""
 DEPTHS, DEGREE = 400, 5
@@ -67,9 +65,9 @@ def terms_of(asked: Asked, body: Material) -> list[list[Term]]:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the waves that the face of a body sends, seen as if it lay above.
+    """Waves in the bodies of a line whose faces move against each other.
 
-    A wave of amplitudes F at q and G at -q, and its derivatives along x of even order, go like
+    A rate of amplitudes F at q and G at -q, and its derivatives along x of even order, go like
 
         (F + G) cos(q x) + i (F - G) sin(q x).
 
@@ -77,20 +75,20 @@ class Spectrum:
     ----------
     levels : Levels
         Times of the transform.
-    body : Material
+    bodies : one or two Material
     q : (n,) array
         Wavenumbers [1 / length]; the first is 0, or that of the stiffness that holds the mean.
-    waves : mapping of (n, frequencies) arrays
-        Phi as "P" and Psi as "S", v_z on the face as "Z", each with False for its F + G and True
-        for its i (F - G).  A line that is even about its origin lacks what is 0.
+    rates : mapping of (n, frequencies) arrays
+        Slip rate "x" or "z" and opening rate "y", each with False for its F + G and True for its
+        i (F - G).  A line that is even about its origin lacks what is 0.
     origin : float
         Position at which phases are 0 [length].
     """
 
     levels: Levels
-    body: Material
+    bodies: tuple[Material, ...]
     q: Array
-    waves: Mapping[tuple[str, bool], Complex]
+    rates: Mapping[tuple[str, bool], Complex]
     origin: float
 
     @classmethod
@@ -98,21 +96,18 @@ class Spectrum:
         cls,
         levels: Levels,
         bodies: tuple[Material, ...],
-        lower: bool,
         first: float,
         spacing: float,
         rates: Mapping[str, Array],
         held: float = 0.0,
         centre: float | None = None,
     ) -> Spectrum:
-        """Make the spectrum of one body.
+        """Make the spectrum of a line.
 
         Parameters
         ----------
         levels : Levels
         bodies : one or two Material
-        lower : bool
-            Whether it is that of the lower body.
         first, spacing : float
             Position of the first node, and node distance [length].
         rates : mapping of (count, nodes) arrays
@@ -122,63 +117,76 @@ class Spectrum:
         centre : float, optional
             Position about which the line is even [length].
         """
-        origin, even = centre or 0.0, centre is not None
+        origin = centre or 0.0
         nodes = next(iter(rates.values())).shape[1]
         k = 2 * np.pi / (nodes * spacing) * np.arange(nodes // 2)
         q = k.copy()
         q[0] = held
         # A taper, without which the sum would end abruptly and ring.
-        placed = (np.exp(-7.0 * (k * spacing / np.pi) ** 8) * np.exp(-1j * k * (first - origin)))[
-            :, None
-        ]
-        placed[0] /= 2  # the mean is counted at q and at -q
-        s, block = levels.frequencies, max(1, BLOCK // levels.size)
-        waves = dict[tuple[str, bool], Complex]()
+        taper = np.exp(-7.0 * (k * spacing / np.pi) ** 8)
+        placed = (2 / nodes * taper * np.exp(-1j * k * (first - origin)))[:, None]
+        placed[0] /= 2  # the mean is counted once
+        count = len(levels.frequencies)
+        parts = (False,) if centre is not None else (False, True)
+        found = dict[tuple[str, bool], Complex]()
         for name, means in rates.items():
-            lines = levels.lines(means)[: len(k)]
-            # what contains i q changes its sign with q
-            odd = {"Z": False} if name == "z" else {"P": name == "x", "S": name == "y"}
-            for wave, is_odd in odd.items():
-                for part in [is_odd] if even else [False, True]:
-                    waves.setdefault((wave, part), np.zeros((len(k), len(s)), dtype=complex))
-            for start in range(0, len(k), block):
-                here = slice(start, start + block)
-                ahead, back = levels.transformed(lines[here])
-                ahead *= placed[here]
-                back *= placed[here].conj()
-                drives: tuple[Any, ...] = (-0.5 if lower else 0.5,)  # v_z of either face
-                if name != "z":
-                    drives = potentials(bodies, lower, q[here, None], s, name == "y")
-                for (wave, is_odd), drive in zip(odd.items(), drives, strict=True):
-                    both, apart = ahead + back, 1j * (ahead - back)
-                    waves[wave, is_odd][here] += drive * (1j * both if is_odd else both)
-                    if not even:
-                        other = apart if not is_odd else ahead - back
-                        waves[wave, not is_odd][here] += drive * other
-        return cls(levels, bodies[lower and len(bodies) - 1], q, waves, origin)
+            lines = levels.lines(means)
+            found |= {(name, part): np.empty((len(k), count), dtype=complex) for part in parts}
+            for start in range(0, len(k), TOGETHER):
+                here = slice(start, start + TOGETHER)
+                line = lines[here] * placed[here]
+                # F + G is the transform of the cosines' amplitudes, i (F - G) of the sines'
+                for part in parts:
+                    found[name, part][here] = levels.transformed(-line.imag if part else line.real)
+        return cls(levels, bodies, q, found, origin)
 
     @cached_property
     def _k(self) -> Array:
         """Wavenumbers of the phases along x, of which the first is 0, (n,) [1 / length]."""
         return np.concatenate([[0.0], self.q[1:]])
 
-    def _terms(self, asked: Asked) -> list[list[Term]]:
-        rows = terms_of(asked, self.body)
-        known = {name for name, _ in self.waves}
+    def _terms(self, lower: bool, asked: Asked) -> list[list[Term]]:
+        known = "Z" if ("z", False) in self.rates else "PS"
+        rows = terms_of(asked, self.bodies[lower and len(self.bodies) - 1])
         return [[term for term in row if term.wave in known] for row in rows]
 
-    def _first(self, q: float, depth: float) -> int:
+    def _first(self, lower: bool, q: float, depth: float) -> int:
         """Return the first frequency whose waves count at a wavenumber and a depth."""
         if q * depth <= FALLEN:
             return 0
-        omega = self.body.shear_speed * math.sqrt(q * q - (FALLEN / depth) ** 2)
+        speed = self.bodies[lower and len(self.bodies) - 1].shear_speed
+        omega = speed * math.sqrt(q * q - (FALLEN / depth) ** 2)
         return int(omega / self.levels.frequencies[1].imag)
 
-    def histories(self, asked: Asked, x: Array, depth: float) -> Array:
+    def _sent(
+        self, lower: bool, here: slice, counts: slice
+    ) -> tuple[dict[tuple[str, bool], Complex], dict[str, Complex]]:
+        """Return waves at the face of a body, seen as if it lay above, and the decays of each kind.
+
+        Waves are Phi as "P" and Psi as "S", v_z as "Z", with False and True as of the rates, at
+        some wavenumbers and frequencies.
+        """
+        q, s = self.q[here, None], self.levels.frequencies[counts]
+        roots = decays(self.bodies[lower and len(self.bodies) - 1], q, s)
+        waves, names = dict[tuple[str, bool], Complex](), {name for name, _ in self.rates}
+        for (name, wave), drive in driven(self.bodies, lower, q, s, names, roots).items():
+            # what contains i q turns cosines into sines, and changes its sign with q
+            odd = (name, wave) in {("x", "P"), ("y", "S")}
+            for part in (False, True):
+                if (name, part) in self.rates:
+                    turned = drive * (1j - 2j * part) if odd else drive
+                    own = turned * self.rates[name, part][here, counts]
+                    key = wave, part != odd
+                    waves[key] = waves[key] + own if key in waves else own
+        return waves, dict(zip("PSZ", (*roots, roots[1]), strict=True))
+
+    def histories(self, lower: bool, asked: Asked, x: Array, depth: float) -> Array:
         """Return a field at all levels of the transform, (rows, points, count + 1).
 
         Parameters
         ----------
+        lower : bool
+            Whether it is that in the lower body.
         asked : {"velocity", "displacement", "strain"}
         x : (points,) array
         depth : float
@@ -186,35 +194,35 @@ class Spectrum:
         """
         from scipy.fft import irfft  # here, for `import semianalytic` is to be quick
 
-        s, rows, levels = self.levels.frequencies, self._terms(asked), self.levels
+        s, rows, levels = self.levels.frequencies, self._terms(lower, asked), self.levels
         # sums over wavenumbers, before the powers of s
         sums = {
             (term.wave, term.turns, term.falls): np.zeros((len(x), len(s)), dtype=complex)
             for row in rows
             for term in row
         }
-        block = max(1, BLOCK // len(s))
-        for start in range(0, len(self.q), block):
-            part = slice(start, start + block)
-            seen = slice(self._first(self.q[start], depth), None)
-            roots = decays(self.body, self.q[part, None], s[seen])
+        for start in range(0, len(self.q), TOGETHER):
+            part = slice(start, start + TOGETHER)
             angle = np.multiply.outer(x - self.origin, self._k[part])
             along = np.cos(angle), np.sin(angle)
-            falling = {}
-            for (wave, odd), amplitudes in self.waves.items():
-                decay = roots[wave != "P"]
-                if wave not in falling:
-                    falling[wave] = np.exp(-depth * decay)
-                sent = [amplitudes[part, seen] * falling[wave]]
-                for (name, turns, falls), total in sums.items():
-                    if name == wave:
+            for begin in range(self._first(lower, self.q[start], depth), len(s), BLOCK // TOGETHER):
+                seen = slice(begin, begin + BLOCK // TOGETHER)
+                waves, roots = self._sent(lower, part, seen)
+                for wave in dict.fromkeys(wave for wave, _ in waves):
+                    parts = [odd for name, odd in waves if name == wave]
+                    falling = np.exp(-depth * roots[wave])
+                    sent = [np.concatenate([falling * waves[wave, odd] for odd in parts])]
+                    for (name, turns, falls), total in sums.items():
+                        if name != wave:
+                            continue
                         if falls and len(sent) < 2:
-                            sent.append(decay * sent[0])
+                            sent.append(np.tile(roots[wave], (len(parts), 1)) * sent[0])
                         # derivatives along x turn cosines into sines, in real numbers
-                        factors = (
-                            TURNS[odd][turns] * self.q[part] ** turns * along[odd != turns % 2]
+                        turned = [TURNS[odd][turns] * along[odd != turns % 2] for odd in parts]
+                        factors = np.concatenate(
+                            [self.q[part] ** turns * each for each in turned], 1
                         )
-                        total.view(float)[:, 2 * seen.start :] += factors @ sent[falls].view(float)
+                        total[:, seen].view(float)[:] += factors @ sent[falls].view(float)
         found = np.zeros((len(rows), len(x), len(s)), dtype=complex)
         for row, terms in zip(found, rows, strict=True):
             for term in terms:
@@ -223,8 +231,8 @@ class Spectrum:
         values = irfft(found, levels.size, axis=-1)[..., : len(t)]
         return np.asarray(values * (np.exp(levels.fall * t) / levels.step))
 
-    def picture(self, asked: Asked, x: Array, depths: Array, time: float) -> Array:
-        """Return a field at points (p,) at one time, (rows, p); `depths` are as of `histories`."""
+    def picture(self, lower: bool, asked: Asked, x: Array, depths: Array, time: float) -> Array:
+        """Return a field at points (p,) at one time, (rows, p); all else is as of `histories`."""
         # rows on both sides of the interface are equally deep, but for rounding
         keys = np.rint(depths / (1e-9 * depths.max(initial=1e-300)))
         _, chosen, place = np.unique(keys, return_index=True, return_inverse=True)
@@ -232,7 +240,7 @@ class Spectrum:
         if len(levels) > DEPTHS:
             levels = np.linspace(levels[0], levels[-1], DEPTHS)
             place, weight = between((depths - levels[0]) / (levels[1] - levels[0]), DEPTHS, DEGREE)
-        amplitudes = self._amplitudes(asked, levels, time - self.levels.start)
+        amplitudes = self._amplitudes(lower, asked, levels, time - self.levels.start)
         at, which = np.unique(x, return_inverse=True)
         shared = len(at) <= 4 * len(levels)  # points of a picture that lie above one another
         phases = np.exp(1j * np.multiply.outer((at if shared else x) - self.origin, self._k))
@@ -247,25 +255,33 @@ class Spectrum:
                 found[:, here] += weight[here, step] * values.T
         return found
 
-    def _amplitudes(self, asked: Asked, depths: Array, time: float) -> Complex:
+    def _amplitudes(self, lower: bool, asked: Asked, depths: Array, time: float) -> Complex:
         """Return amplitudes of exp(i q x), whose real parts add up, (depths, rows, wavenumbers)."""
-        rows, s = self._terms(asked), self.levels.frequencies
-        wave = np.exp(s * time) * (2 / (self.levels.size * self.levels.step))
-        wave[0] /= 2
+        rows, s = self._terms(lower, asked), self.levels.frequencies
+        at = np.exp(s * time) * (2 / (self.levels.size * self.levels.step))
+        at[0] /= 2
         found = np.zeros((len(depths), len(rows), len(self.q)), dtype=complex)
         terms = [(place, term) for place, row in enumerate(rows) for term in row]
+        scales = {term.power: s**term.power * at for _, term in terms}
         for index, q in enumerate(self.q):
-            counts = slice(self._first(q, depths[0]), None)
-            roots = decays(self.body, q, s[counts])
-            for (name, odd), amplitudes in self.waves.items():
-                own = [term for term in terms if term[1].wave == name]
-                decay, sent = roots[name != "P"], amplitudes[index, counts] * wave[counts]
-                factors = [term.factor(q, decay, s[counts]) for _, term in own]
-                sums = laid_down(depths, decay, np.stack([factor * sent for factor in factors]))
-                for column, (row, term) in enumerate(own):
+            counts = slice(self._first(lower, q, depths[0]), None)
+            waves, roots = self._sent(lower, slice(index, index + 1), counts)
+            for name in dict.fromkeys(name for name, _ in waves):
+                own = [(row, term) for row, term in terms if term.wave == name]
+                parts = [odd for wave, odd in waves if wave == name]
+                factors = {
+                    (term.falls, term.power): scales[term.power][counts]
+                    * roots[name][0] ** term.falls
+                    for _, term in own
+                }
+                sent = [waves[name, odd] * factor for odd in parts for factor in factors.values()]
+                sums = laid_down(depths, roots[name][0], np.concatenate(sent))
+                columns = list(product(parts, factors))
+                for odd, (row, term) in product(parts, own):
                     # the real part of what goes like a sine is that of -i exp(i q x)
                     turned = (1j * q) ** term.turns * term.coefficient * (-1j if odd else 1.0)
-                    found[:, row, index] += turned * sums[:, column].real
+                    column = columns.index((odd, (term.falls, term.power)))
+                    found[:, row, index] += turned * sums[:, column]
         return found
 
 
@@ -291,14 +307,10 @@ def steady(
     s = 1e-4 * body.shear_speed * np.maximum(q, 1e-3 * k[1])
     roots, amplitudes = decays(body, q, s + 0j), dict[str, Complex]()
     placed = np.exp(-1j * k * first) / nodes * (1.0 if asked == "velocity" else s)
-    for name, values in moved.items():
-        rate = np.fft.rfft(values)[: len(k)] * placed
-        rate[0] /= 2  # the mean is counted at q and at -q
-        drives: tuple[Any, ...] = (-0.5 if lower else 0.5,)
-        if name != "z":
-            drives = potentials(bodies, lower, q, s + 0j, name == "y")
-        for wave, drive in zip("Z" if name == "z" else "PS", drives, strict=True):
-            amplitudes[wave] = amplitudes.get(wave, 0.0) + drive * rate
+    placed[0] /= 2  # the mean is counted at q and at -q
+    for (name, wave), drive in driven(bodies, lower, q, s + 0j, moved, roots).items():
+        sent = drive * np.fft.rfft(moved[name])[: len(k)] * placed
+        amplitudes[wave] = amplitudes.get(wave, 0.0) + sent
     rows = [[term for term in row if term.wave in amplitudes] for row in terms_of(asked, body)]
     found, levels = np.zeros((len(rows), len(x))), depths.tolist()
     for depth in set(levels):
@@ -309,27 +321,6 @@ def steady(
                 decay = roots[term.wave != "P"]
                 sent = amplitudes[term.wave] * term.factor(q, decay, s) * np.exp(-decay * depth)
                 row[here] += 2 * (waves @ (term.coefficient * (1j * q) ** term.turns * sent)).real
-    return found
-
-
-def laid_down(depths: Array, decay: Complex, sent: Complex) -> Complex:
-    """Return the sums over frequencies at depths (d,) of waves (k, m) that fall off, (d, k).
-
-    For many evenly spaced depths about sqrt(d) exponentials are formed from one.
-    """
-    count, step = math.isqrt(len(depths)), depths[-1] - depths[0]
-    even = depths[0] + step * np.linspace(0.0, 1.0, len(depths))
-    if count < 4 or np.abs(depths - even).max() > 1e-8 * step:
-        return np.asarray(np.exp(-np.multiply.outer(depths, decay)) @ sent.T)
-    powers, once = np.ones((count, len(decay)), complex), np.exp(-step / (len(depths) - 1) * decay)
-    for before, after in pairwise(powers):
-        np.multiply(before, once, out=after)
-    found = np.empty((len(depths), len(sent)), complex)
-    sent, leap = sent * np.exp(-depths[0] * decay), once * powers[-1]
-    for start in range(0, len(depths), count):
-        part = found[start : start + count]
-        part[:] = (powers @ sent.T)[: len(part)]
-        sent *= leap
     return found
 
 

@@ -15,6 +15,9 @@ gamma_xy change sign.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,11 +25,13 @@ import numpy as np
 from semianalytic.scene.arrays import Array, Complex
 from semianalytic.scene.scene import Material
 
-Drive = tuple[Any, Any]
-"""Phi and Psi that a unit rate makes, complex arrays."""
+Pair = tuple[Complex, Complex]
+
+FALLEN = 35.0
+"""Waves that have fallen by more than exp of this do not count."""
 
 
-def decays(body: Material, q: Array, s: Complex) -> tuple[Complex, Complex]:
+def decays(body: Material, q: Array, s: Complex) -> Pair:
     """Return A and B at wavenumbers and frequencies that broadcast [1 / length]."""
     square = np.square(s)
     return decay(body.longitudinal_speed, q, square), decay(body.shear_speed, q, square)
@@ -38,31 +43,63 @@ def decay(speed: float, q: Array, square: Complex) -> Complex:
     return np.asarray(np.sqrt(q * q + square / speed**2))
 
 
-def potentials(
-    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex, opening: bool
-) -> Drive:
-    """Return Phi and Psi in a body for a unit rate, that of slip or that of opening.
+def driven(
+    bodies: tuple[Material, ...],
+    lower: bool,
+    q: Array,
+    s: Complex,
+    names: Iterable[str],
+    roots: Pair,
+) -> dict[tuple[str, str], Any]:
+    """Return the waves Phi as "P" and Psi as "S", v_z as "Z", of unit rates at the face of a body.
 
     Parameters
     ----------
     bodies : one or two Material
         The upper body, and the lower one if it is another.
     lower : bool
-        Whether potentials are those of the lower body.
+        Whether waves are those of the lower body.
     q : array
         Wavenumbers [1 / length].
     s : complex array
         Frequencies, Re s > 0 [1 / time].
-    opening : bool
-        Whether the faces open.
+    names : iterable of {"x", "y", "z"}
+        Rates of slip, "x" or "z", and of opening, "y".
+    roots : (A, B) of the body
+
+    Returns
+    -------
+    dict
+        Complex arrays by rate and wave.
     """
-    if len(bodies) == 2:
-        return _of_two(bodies, lower, q, s, opening)
-    speed = bodies[0].longitudinal_speed if opening else bodies[0].shear_speed
+    if "z" in names:
+        return {("z", "Z"): -0.5 if lower else 0.5}
+    of = _of_two if len(bodies) == 2 else _of_one
+    return {
+        (name, wave): drive
+        for name, pair in of(bodies, lower, q, s, names, roots).items()
+        for wave, drive in zip("PS", pair, strict=True)
+    }
+
+
+def _of_one(
+    bodies: tuple[Material, ...],
+    lower: bool,
+    q: Array,
+    s: Complex,
+    names: Iterable[str],
+    roots: Pair,
+) -> dict[str, Pair]:
+    """Return Phi and Psi between identical bodies."""
     squared, sign = np.square(bodies[0].shear_speed / s), -1.0 if lower else 1.0
-    once = 1j * q * squared
-    twice = (0.5 + q * q * squared) / decay(speed, q, np.square(s))
-    return (-twice, once) if opening else (sign * once, sign * twice)
+    once: Complex = np.asarray(1j * q * squared)
+    twice: Complex = np.asarray(0.5 + q * q * squared)
+    found = dict[str, Pair]()
+    if "x" in names:
+        found["x"] = sign * once, sign * twice / roots[1]
+    if "y" in names:
+        found["y"] = -twice / roots[0], once
+    return found
 
 
 def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> list[Complex]:
@@ -80,21 +117,58 @@ def _impedance(body: Material, a: Complex, b: Complex, q: Array, s: Complex) -> 
 
 
 def _of_two(
-    bodies: tuple[Material, ...], lower: bool, q: Array, s: Complex, opening: bool
-) -> Drive:
-    """Return the potentials between different bodies, of which both carry one traction."""
-    roots = [decays(body, q, s) for body in bodies]
+    bodies: tuple[Material, ...],
+    lower: bool,
+    q: Array,
+    s: Complex,
+    names: Iterable[str],
+    roots: Pair,
+) -> dict[str, Pair]:
+    """Return Phi and Psi between different bodies, of which both carry one traction."""
+    other = decays(bodies[not lower], q, s)
+    pairs = (other, roots) if lower else (roots, other)
     (d_up, up11, up12, up22), (d_low, low11, low12, low22) = (
-        _impedance(body, *root, q, s) for body, root in zip(bodies, roots, strict=True)
+        _impedance(body, *pair, q, s) for body, pair in zip(bodies, pairs, strict=True)
     )
     # Z w = Y (w - r) with the rates r: w = -(Z - Y)^-1 Y r; Y = [[-Z11, Z12], [-Z12, -Z22]] below
     m11, m12, m22 = up11 + low11, up12 - low12, up22 + low22
-    det = m11 * m22 + m12 * m12
-    first, second = (low12, -low22) if opening else (-low11, -low12)  # column of Y
-    a, b = roots[lower]
-    along = -(m22 * first - m12 * second) / det
-    across = -(m12 * first + m11 * second) / det
-    if lower:
-        along, across = along - (not opening), opening - across
-    d = d_low if lower else d_up
-    return (1j * q * along - b * across) / d, (a * along + 1j * q * across) / d
+    (a, b), d = roots, d_low if lower else d_up
+    scale, found = -1 / (m11 * m22 + m12 * m12), dict[str, Pair]()
+    for name in names:
+        opening = name == "y"
+        first, second = (low12, -low22) if opening else (-low11, -low12)  # column of Y
+        along = scale * (m22 * first - m12 * second)
+        across = scale * (m12 * first + m11 * second)
+        if lower:
+            along, across = along - (not opening), opening - across
+        phi, psi = 1j * q * along - b * across, a * along + 1j * q * across
+        found[name] = np.asarray(phi / d), np.asarray(psi / d)
+    return found
+
+
+def laid_down(depths: Array, decay: Complex, sent: Complex) -> Array:
+    """Return real parts of sums over frequencies, at depths (d,), of waves (k, m) that fall off.
+
+    They are (d, k).  For many evenly spaced depths some exponentials are powers of one, and waves
+    fall from one group of depths to the next.
+    """
+    sent = sent.conj()  # of which products of real numbers take the real part of complex ones
+    count, step = math.isqrt(len(depths) * len(sent)), depths[-1] - depths[0]
+    even = depths[0] + step * np.linspace(0.0, 1.0, len(depths))
+    if len(depths) < 16 or np.abs(depths - even).max() > 1e-8 * step:
+        falling = np.exp(-np.multiply.outer(depths, decay))
+        return np.asarray(falling.view(float) @ sent.view(float).T)
+    count = min(count, len(depths))
+    powers, once = np.empty((count, len(decay)), complex), np.exp(-step / (len(depths) - 1) * decay)
+    powers[0] = 1.0
+    for before, after in pairwise(powers):
+        np.multiply(before, once, out=after)
+    found = np.empty((len(depths), len(sent)))
+    sent, leap = sent * np.exp(-depths[0] * decay.conj()), (once * powers[-1]).conj()
+    for start in range(0, len(depths), count):
+        # evanescent waves, of low frequencies, do not reach the deeper groups
+        here = slice(int(np.searchsorted(-depths[start] * decay.real, -FALLEN)), None)
+        part = found[start : start + count]
+        part[:] = powers[: len(part), here].view(float) @ sent[:, here].view(float).T
+        sent[:, here] *= leap[here]
+    return found
