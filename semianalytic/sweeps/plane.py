@@ -88,17 +88,13 @@ class Plane:
         self.origin: dict[int, str] = {}
         self.zones: dict[int, Followed] = {}
 
-    @property
-    def places(self) -> Array:
-        """The points (n, d) in the unit square, or with one Poisson ratio on a line, d = 1."""
-        # Distances are then the same whatever the ranges of friction and Poisson ratio.
-        span = np.ptp(self.values, axis=0)
-        varied = [0, 1] if span[1] else [0]
-        low = self.values.min(axis=0)
-        return np.asarray(((self.values - low) / np.where(span > 0, span, 1.0))[:, varied])
-
     def run(self) -> None:
         """Solve all scenes."""
+        # Distances between points are taken in the unit square, whatever the ranges of friction and
+        # Poisson ratio, or, with one ratio, on a line.
+        span, low = np.ptp(self.values, axis=0), self.values.min(axis=0)
+        varied = [0, 1] if span[1] else [0]
+        self.places = ((self.values - low) / np.where(span > 0, span, 1.0))[:, varied]
         for targets in self._lattices():
             self._advance(targets)
 
@@ -195,7 +191,8 @@ class Plane:
         Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
         Where it is `measured` what edges lack on a loose rule, groups hold like solids alone.
         """
-        if not len(which):
+        if len(which) < 2:
+            yield from np.arange(len(which))[:, None]
             return
         edges = self._edges(pattern, which)
         parts, hiding = edges.parts(unknowns.T), self.hiding[which]
