@@ -129,22 +129,27 @@ class Rule:
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Return the integral from -inf to y of the interpolant of `density`, (n,) or (k, n)."""
         nodes, values = self._continued(density)
-        weights = np.full(len(nodes), self.spacing)
-        # The part beyond the continued nodes belongs to the last of them, as in `weights`.
-        weights[[0, -1]] = self.weights[[0, -1]]
         first = round(nodes[0] / self.spacing)
-        return _stepped(y / self.spacing, first, (weights * values).T)
+        return _stepped(y / self.spacing, first, (self._longer[2] * values).T)
 
     def _continued(self, density: Array) -> tuple[Array, Array]:
         """Return nodes a third further out, and `density` (..., n) continued like exp(-|y| / 2).
 
         Cut off at the ends, its interpolant would ripple by several times the tolerance.
         """
-        more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
-        decay = np.exp(-more / 2)
-        nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
+        nodes, decay, _ = self._longer
         before, after = density[..., :1] * decay[::-1], density[..., -1:] * decay
         return nodes, np.concatenate([before, density, after], axis=-1)
+
+    @cached_property
+    def _longer(self) -> tuple[Array, Array, Array]:
+        """Nodes a third further out, exp(-|y| / 2) from the last of `y` on, and weights."""
+        more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
+        nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
+        weights = np.full(len(nodes), self.spacing)
+        # The part beyond the continued nodes belongs to the last of them, as in `weights`.
+        weights[[0, -1]] = self.weights[[0, -1]]
+        return nodes, np.exp(-more / 2), weights
 
 
 def _sinc_step(x: Array) -> Array:
