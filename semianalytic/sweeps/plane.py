@@ -17,7 +17,7 @@ from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.load import Load, common_load, contact_opens, scaled_load
+from semianalytic.cut.load import common_load, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
@@ -105,10 +105,11 @@ class Plane:
             setattr(self, name, np.concatenate([getattr(plane, name) for plane in (self, others)]))
         self.scenes += others.scenes
         self.loads += others.loads
-        parts = ("friction", "far_slip_rate")
-        pairs = ((getattr(self.load, name), getattr(others.load, name)) for name in parts)
-        both = dict(zip(parts, map(np.concatenate, pairs), strict=True))
-        self.load = replace(self.load, **both)
+        friction, far_slip_rate = (
+            np.concatenate([getattr(plane.load, name) for plane in (self, others)])
+            for name in ("friction", "far_slip_rate")
+        )
+        self.load = replace(self.load, friction=friction, far_slip_rate=far_slip_rate)
         self.run()
 
     def _lattices(self) -> Iterator[np.ndarray]:
