@@ -1,7 +1,7 @@
 """Times of common jobs in this checkout and in a commit: ``python -m docs.studies.speed COMMIT``.
 
 Each job runs in both checkouts in turn, in one process of one thread each, and the least processor
-times are compared: other load on the machine slows both.
+times are compared: other load on the machine slows both.  ``--output docs`` writes data/speed.csv.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ import argparse
 import io
 import json
 import os
+import resource
 import subprocess
 import sys
 import tarfile
 import tempfile
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -84,33 +86,79 @@ def commanded(*arguments: str) -> float:
         return timed(lambda: main(every))
 
 
+def snapshots() -> float:
+    """Return the time of a comparison that keeps snapshots over that of one without."""
+    return commanded("compare", "preloaded") / commanded("compare", "preloaded", "--no-snapshots")
+
+
+def surveyed(workers: int) -> float:
+    """Return the processor seconds of a survey of 10,000 scenes and of its processes."""
+
+    def seconds() -> float:
+        of = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+        return sum(sum(resource.getrusage(who)[:2]) for who in of)
+
+    began = seconds()
+    friction, ratio = np.linspace(0.2, 0.6, 100), np.linspace(0.1, 0.45, 100)
+    sf.survey("preloaded", rtol=1e-6, friction=friction, poisson_ratio=ratio, workers=workers)
+    return seconds() - began
+
+
+@dataclass(frozen=True)
+class Job:
+    """What returns the seconds of a job, how often it runs in both checkouts, and its goal.
+
+    The goal is one of the job itself, or a share of its time before.
+    """
+
+    run: Callable[[], float]
+    repeats: int
+    goal: float | None = None
+    of_before: bool = False
+
+
 MARCH: Mapping[str, Any] = {"method": "space-time"}
-JOBS: Mapping[str, tuple[int, Callable[[], float]]] = {
-    "`sweep` of 2,500 from `remote-shock` [ms a scene]": (4, partial(swept, "remote-shock", 50)),
-    "`sweep` of 2,500 from `preloaded` [ms a scene]": (4, partial(swept, "preloaded", 50)),
-    "`sweep` of 10,000 from `remote-shock` [ms a scene]": (1, partial(swept, "remote-shock", 100)),
-    "`sweep` of 10,000 from `preloaded` [ms a scene]": (1, partial(swept, "preloaded", 100)),
-    "`compare preloaded`, snapshots kept": (2, partial(commanded, "compare", "preloaded")),
-    "`compare preloaded` without": (
-        3,
-        partial(commanded, "compare", "preloaded", "--no-snapshots"),
+JOBS: Mapping[str, Job] = {
+    **{
+        f"`sweep` of {side**2:,} from `{name}` [ms a scene]": Job(
+            partial(swept, name, side), repeats, 0.55, of_before=True
+        )
+        for side, repeats in ((50, 2), (100, 1))
+        for name in ("remote-shock", "preloaded")
+    },
+    "`survey` of 10,000: work of two processes over one": Job(
+        lambda: surveyed(2) / surveyed(1), 1, 1.11
     ),
-    "stress at 200,000 points": (6, partial(stress, 200_000)),
-    "`fit` of three unknowns to three gauges": (5, fitted),
-    "`solve` of `pair-slip` to 1e-8": (20, partial(solved, "pair-slip")),
-    "`solve` of `pair-opening` to 1e-8": (20, partial(solved, "pair-opening")),
-    "`explore`: a move, `preloaded`": (20, partial(picture, "preloaded")),
-    "`explore`: a move, `pair-slip`": (20, partial(picture, "pair-slip")),
-    "`explore`: a move, `pair-opening`": (20, partial(picture, "pair-opening")),
-    "`solve` of `preloaded` to 1e-8": (30, partial(solved, "preloaded")),
-    "`solve` of `viscous` to 1e-10": (20, partial(solved, "viscous", rtol=1e-10)),
-    "march of `preloaded`, 256 nodes": (15, partial(solved, "preloaded", nodes=256, **MARCH)),
-    "march of `preloaded`, 1,024 nodes": (6, partial(solved, "preloaded", nodes=1024, **MARCH)),
-    "march of `preloaded`, 4,096 nodes": (1, partial(solved, "preloaded", nodes=4096, **MARCH)),
-    "march of `pulse` to 1e-2": (4, partial(solved, "pulse", rtol=1e-2)),
-    "march of `tpv205`, 512 nodes": (3, partial(solved, "tpv205", nodes=512)),
+    "`compare preloaded`: with snapshots over without": Job(snapshots, 1, 1.8),
+    "stress at 200,000 points": Job(partial(stress, 200_000), 4, 0.2),
+    "`fit` of three unknowns to three gauges": Job(fitted, 3, 1.0),
+    "`solve` of `pair-slip` to 1e-8": Job(partial(solved, "pair-slip"), 8, 0.05),
+    "`solve` of `pair-opening` to 1e-8": Job(partial(solved, "pair-opening"), 8, 0.05),
+    "`explore`: a move, `preloaded`": Job(partial(picture, "preloaded"), 8, 0.05),
+    "`explore`: a move, `pair-slip`": Job(partial(picture, "pair-slip"), 8, 0.05),
+    "`explore`: a move, `pair-opening`": Job(partial(picture, "pair-opening"), 8, 0.05),
+    "`solve` of `preloaded` to 1e-8": Job(partial(solved, "preloaded"), 10),
+    "`solve` of `viscous` to 1e-10": Job(partial(solved, "viscous", rtol=1e-10), 8),
+    **{
+        f"march of `preloaded`, {nodes:,} nodes": Job(
+            partial(solved, "preloaded", nodes=nodes, **MARCH), repeats
+        )
+        for nodes, repeats in ((256, 6), (1024, 3), (4096, 1))
+    },
+    "march of `pulse` to 1e-2": Job(partial(solved, "pulse", rtol=1e-2), 2),
+    "march of `tpv205`, 512 nodes": Job(partial(solved, "tpv205", nodes=512), 2),
 }
-"""Jobs: how often each runs in both checkouts, and what returns its seconds."""
+
+
+def row(name: str, before: float, now: float) -> dict[str, str]:
+    """Return the line of a job in the table: seconds, their ratio, the goal and whether it is
+    met.
+    """
+    job = JOBS[name]
+    goal = job.goal and job.goal * (before if job.of_before else 1.0)
+    numbers = {"before": before, "now": now, "ratio": now / before, "goal": goal}
+    texts = {key: "" if value is None else f"{value:.3g}" for key, value in numbers.items()}
+    return {"job": name, **texts, "met": "" if goal is None else "yes" if now <= goal else "no"}
 
 
 def serving(folder: Path) -> subprocess.Popen[str]:
@@ -137,21 +185,30 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m docs.studies.speed", description=__doc__)
     parser.add_argument("commit", nargs="?", default="HEAD~1", help="commit to compare with")
     parser.add_argument("--jobs", default="", help="only jobs whose names hold this")
+    parser.add_argument("--output", type=Path, help="folder with data/speed.csv, to be written")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.serve:
         for line in sys.stdin:
-            print("\nseconds", json.dumps(JOBS[line.rstrip("\n")][1]()), flush=True)
+            print("\nseconds", json.dumps(JOBS[line.rstrip("\n")].run()), flush=True)
         return
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         packed = subprocess.check_output(["git", "-C", str(ROOT), "archive", options.commit])
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
             archive.extractall(folder, filter="data")
         with serving(Path(folder)) as server, serving(ROOT) as other:
-            for job in (name for name in JOBS if options.jobs in name):
-                pairs = [(run_job(server, job), run_job(other, job)) for _ in range(JOBS[job][0])]
+            for name in (name for name in JOBS if options.jobs in name):
+                times = range(JOBS[name].repeats)
+                pairs = [(run_job(server, name), run_job(other, name)) for _ in times]
                 before, now = map(min, zip(*pairs, strict=True))
-                print(f"| {job} | {before:.2g} | {now:.2g} | {now / before:.2f} |", flush=True)
+                rows.append(row(name, before, now))
+                print("|", " | ".join(rows[-1].values()), "|", flush=True)
+    if options.output:
+        from docs.studies.runner import write_table
+
+        command = f"python -m docs.studies.speed {options.commit}"
+        write_table(options.output / "data" / "speed.csv", rows, command)
 
 
 if __name__ == "__main__":

@@ -217,6 +217,8 @@ def contact_opens(scene: Scene) -> bool:
     """
     base, step = (part.pressure for part in scene.superposition)
     slowness = scene.front_slowness * scene.material.shear_speed
+    if not step:  # p* is not needed, nor are its tables
+        return base < 0
     # p* has its minimum at the Rayleigh front, which is therefore the first place to open.
     stuck = stuck_traction(scene.material.poisson_ratio, "I", slowness)
     return step < -LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -168,15 +168,20 @@ class Profile:
         """Profile of the normal problem at the same nodes, gap for slip; None if all is closed."""
         return Profile(self.fields.normal) if self.fields.normal is not None else None
 
-    @cached_property
+    @property
     def strength_at_nodes(self) -> Array:
         """Strength f p at the nodes of all panels, (p, ..., n)."""
+        return self._strength_on(0, len(self.panels.sense))
+
+    def _strength_on(self, start: int, stop: int) -> Array:
+        """Return the strength f p at the nodes of consecutive panels, (m, ..., n)."""
         if self.normal is None:
-            at, ahead = self.panels.at, self.panels.layout.ahead
+            at, ahead = self.panels.at, min(max(start, self.panels.layout.ahead), stop)
             # Tables differ ahead of the shear front and behind it.
-            return np.concatenate([self._strength_at(part) for part in (at[:ahead], at[ahead:])])
-        pressure = -self.normal.traction_at_nodes
-        pressure[self._open] = 0.0
+            parts = (at[start:ahead], at[ahead:stop])
+            return np.concatenate([self._strength_at(part) for part in parts])
+        pressure = -self.normal.traction_at_nodes[start:stop]
+        pressure[self._open[start:stop]] = 0.0
         return np.asarray(self._load.friction * pressure)
 
     @cached_property
@@ -223,7 +228,8 @@ class Profile:
         result = np.asarray(-sense * rate / np.where(largest > 0, largest, 1.0))
         for region in (part for part in panels.layout.closed_regions if not panels.sense[part[0]]):
             traction = self.traction_at_nodes[region]
-            result[region] = self._excess(region, self.strength_at_nodes[region], traction)
+            strength = self._strength_on(region[0], region[-1] + 1)
+            result[region] = self._excess(region, strength, traction)
         result[self._open] = _LAWFUL
         return result
 

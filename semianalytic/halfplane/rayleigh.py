@@ -311,9 +311,9 @@ class RayleighFactors:
         return CutPoints(np.stack([v - front for front in self._fronts]))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def rayleigh_factors(poisson_ratio: float, mode: Mode = "II") -> RayleighFactors:
-    """Return the factors for one Poisson ratio; those of the 64 most recent ones are cached."""
+    """Return the factors for one Poisson ratio; those of the 256 most recent ones are cached."""
     Material(1.0, 1.0, poisson_ratio)
     return RayleighFactors(poisson_ratio, mode)
 

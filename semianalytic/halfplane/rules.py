@@ -6,6 +6,7 @@ with an error that falls geometrically with the spacing.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -24,6 +25,8 @@ _STEP_TERMS = 18
 """Terms of the series of the integral of sinc between nodes: off by 1e-15, with 16 by 2e-14."""
 _TABLES = 12
 """Tables (n, n) of rules that are kept: one takes 18 MB at 1,500 nodes."""
+_SMALL, _SMALL_TABLES = 128, 256
+"""Nodes of a small table, of which so many are kept: a sweep over the plane meets 300 rules."""
 
 
 @dataclass(frozen=True)
@@ -120,22 +123,27 @@ class Rule:
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Return the integral from -inf to y of the interpolant of `density`, (n,) or (k, n)."""
         nodes, values = self._continued(density)
-        weights = np.full(len(nodes), self.spacing)
-        # The part beyond the continued nodes belongs to the last of them, as in `weights`.
-        weights[[0, -1]] = self.weights[[0, -1]]
         first = round(nodes[0] / self.spacing)
-        return _stepped(y / self.spacing, first, (weights * values).T)
+        return _stepped(y / self.spacing, first, (self._longer[2] * values).T)
 
     def _continued(self, density: Array) -> tuple[Array, Array]:
         """Return nodes a third further out, and `density` (..., n) continued like exp(-|y| / 2).
 
         Cut off at the ends, its interpolant would ripple by several times the tolerance.
         """
-        more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
-        decay = np.exp(-more / 2)
-        nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
+        nodes, decay, _ = self._longer
         before, after = density[..., :1] * decay[::-1], density[..., -1:] * decay
         return nodes, np.concatenate([before, density, after], axis=-1)
+
+    @cached_property
+    def _longer(self) -> tuple[Array, Array, Array]:
+        """Nodes a third further out, exp(-|y| / 2) from the last of `y` on, and weights."""
+        more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
+        nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
+        weights = np.full(len(nodes), self.spacing)
+        # The part beyond the continued nodes belongs to the last of them, as in `weights`.
+        weights[[0, -1]] = self.weights[[0, -1]]
+        return nodes, np.exp(-more / 2), weights
 
 
 def sinc_step(x: Array) -> Array:
@@ -206,14 +214,20 @@ def _sinc_step_at_nodes(most: int) -> Array:
 _laguerre = lru_cache(maxsize=1)(np.polynomial.laguerre.laggauss)
 
 
-@lru_cache(maxsize=_TABLES)
+def _kept(table: Callable[[int, float], Array]) -> Callable[[int, float], Array]:
+    """Keep tables (n, n) of rules of n nodes and a spacing: many small ones, few large ones."""
+    small, large = lru_cache(maxsize=_SMALL_TABLES)(table), lru_cache(maxsize=_TABLES)(table)
+    return lambda n, spacing: (small if n <= _SMALL else large)(n, spacing)
+
+
+@_kept
 def _running(n: int, spacing: float) -> Array:
     beyond = _beyond(spacing)
     step = spacing * _sinc_step_at_nodes(n + beyond - 1)
     return _folded(step, n, np.exp(-spacing / 2 * np.arange(1.0, beyond + 1)))
 
 
-@lru_cache(maxsize=_TABLES)
+@_kept
 def _alternate(n: int, spacing: float) -> Array:
     beyond = _beyond(spacing)
     steps = np.arange(1 - n - beyond, n + beyond)
@@ -222,7 +236,7 @@ def _alternate(n: int, spacing: float) -> Array:
     return _folded(inverse, n, np.ones(beyond))
 
 
-@lru_cache(maxsize=8 * _TABLES)
+@lru_cache(maxsize=2 * _SMALL_TABLES)
 def _beside_end(n: int, spacing: float, halvings: int) -> BesideEnd:
     part, orders = 2.0**-halvings, np.arange(_FEW_POINTS)
     nodes = 1 / (1 + np.exp((n // 2 - np.arange(n // 2)) * spacing))
@@ -264,7 +278,7 @@ def rule_for(tolerance: float) -> Rule:
     return Rule(float(np.pi**2 / (digits + 2)), float(REACH * (digits + 1)))
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=2 * _SMALL_TABLES)
 def _finer(rule: Rule, refinements: int, further: int) -> Rule:
     spacing = rule.spacing * 2.0 ** (-refinements / _STEPS)
     return Rule(spacing, rule.reach, max(rule.further, further))

@@ -165,7 +165,7 @@ class AntiplaneTraction(StuckTraction):
         return np.asarray(2 / np.pi * whole)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=512)
 def stuck_traction(poisson_ratio: float, mode: Mode, slowness: float = 0.0) -> StuckTraction:
     """Return p* or q* for a Poisson ratio, and a front of slowness p [b], with cached tables."""
     if mode == "III":

@@ -206,14 +206,16 @@ class Trials:
         # Trials of friction alone keep what they find: each helps those that come later.
         from semianalytic.sweeps.plane import Plane
 
-        known = self.followed or Plane((given,), self.rtol, scaled_load(given)[1])
+        if self.followed is None:
+            self.followed = Plane((given,), self.rtol, scaled_load(given)[1])
+        known = {scene.coefficient for scene in self.followed.scenes}
         # each friction once, for trials of the set-up alone share one
-        laws = [given.law.with_coefficient(value) for value in dict.fromkeys(frictions)]
-        followed = known.extended([replace(given, friction=law) for law in laws])
-        followed.run()
-        self.followed = followed
-        places = np.searchsorted([scene.coefficient for scene in followed.scenes], frictions)
-        return [followed.solutions[place] for place in places.tolist()]
+        new = [value for value in dict.fromkeys(frictions) if value not in known]
+        if new:
+            laws = map(given.law.with_coefficient, new)
+            self.followed.add([replace(given, friction=law) for law in laws])
+        places = {scene.coefficient: i for i, scene in enumerate(self.followed.scenes)}
+        return [self.followed.solutions[places[friction]] for friction in frictions]
 
     @cached_property
     def _pressure_is_strength(self) -> bool:

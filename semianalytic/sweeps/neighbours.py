@@ -38,12 +38,30 @@ class Stencils:
             nearest = np.zeros(self.weights.shape[1:])
             nearest[:, 0] = 1.0
             return Blends(self.near, nearest, np.full_like(nearest, np.nan))
-        each = np.einsum("dtm,tme->dte", self.weights, known[self.near])
-        # apart[d] compares the degrees d and d + 2; the pair that differs least names both
-        # polynomials.
-        apart = np.abs(each[2:] - each[:-2]).max(axis=-1, initial=0.0)
-        lower = np.nan_to_num(apart, nan=np.inf).argmin(axis=0)
+        apart, _ = self._differences(known)
+        lower = apart.max(axis=-1, initial=0.0).argmin(axis=0)
         return Blends(self.near, self.weights[lower + 2, points], self.weights[lower, points])
+
+    def of_each(self, known: Array) -> tuple[Array, Array]:
+        """Return the values (t, e) of the two best polynomials of each column of known ones (n, e).
+
+        With too few neighbours they are the nearest values, and not numbers.
+        """
+        if len(self.weights) < 3:
+            nearest = known[self.near[:, 0]]
+            return nearest, np.full_like(nearest, np.nan)
+        apart, each = self._differences(known)
+        lower = apart.argmin(axis=0)[None]
+        both = (np.take_along_axis(each, degree, axis=0)[0] for degree in (lower + 2, lower))
+        value, other = both
+        return value, other
+
+    def _differences(self, known: Array) -> tuple[Array, Array]:
+        """Return differences (d - 2, t, e) of polynomials two degrees apart, infinite where these
+        are no numbers, and the values (d, t, e) of all, from known ones (n, e).
+        """
+        each = np.einsum("dtm,tme->dte", self.weights, known[self.near])
+        return np.nan_to_num(np.abs(each[2:] - each[:-2]), nan=np.inf), each
 
 
 @dataclass(frozen=True)
@@ -82,7 +100,8 @@ class Neighbourhood:
 
     def stencils(self, to: Array) -> Stencils:
         """Return local polynomials around points (t, d), by weighted least squares."""
-        near = self.nearest(to, 32)  # known points that a polynomial is fitted to
+        # Known points that a polynomial is fitted to; the degrees are up to 7 on a line, and 5.
+        near = self.nearest(to, 12 if self.places.shape[1] == 1 else 32)
         offset = self.places[near] - to[:, None]
         # Offsets over the distance of the farthest neighbour lie in the unit disc, so that
         # monomials of any degree stay comparable.

@@ -10,14 +10,14 @@ the point is solved from scratch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from operator import itemgetter
 from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.load import Load, common_load, contact_opens, scaled_load
+from semianalytic.cut.load import common_load, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
@@ -52,23 +52,12 @@ rule, or on the loose rule alone."""
 class Plane:
     """The solutions so far of scenes that differ in friction and Poisson ratio, or in friction."""
 
-    def __init__(
-        self,
-        scenes: Sequence[Scene],
-        rtol: float,
-        unit: float | None = None,
-        loads: Mapping[float, tuple[Load, float]] | None = None,  # known ones, by friction
-    ) -> None:
-        self.scenes, self.rtol = scenes, rtol
+    def __init__(self, scenes: Sequence[Scene], rtol: float, unit: float | None = None) -> None:
+        self.scenes, self.rtol = list(scenes), rtol
         self.loose = rule_for(loose_tolerance(rtol))
         ratio = np.array([scene.material.poisson_ratio for scene in scenes])
         friction = np.array([scene.coefficient for scene in scenes])
-        both = np.stack([friction, ratio], axis=1)
-        span = np.ptp(both, axis=0)
-        # Distances between points are taken in the unit square, whatever the ranges of friction and
-        # Poisson ratio, or, with one ratio, on a line.
-        varied = [0, 1] if span[1] else [0]
-        self.places = ((both - both.min(axis=0)) / np.where(span > 0, span, 1.0))[:, varied]
+        self.values = np.stack([friction, ratio], axis=1)
         ratios, first = np.unique(ratio, return_index=True)
         # Tables of many solids at once are those of loads in the plane that come at once.
         several = len(ratios) > 1
@@ -89,8 +78,7 @@ class Plane:
         self.factors = dict(zip(ratios.tolist(), map(self.family.single, first), strict=True))
         # Loads do not depend on the Poisson ratio.
         _, first, own = np.unique(friction, return_index=True, return_inverse=True)
-        known = loads or {}
-        each = [known.get(scenes[i].coefficient) or scaled_load(scenes[i]) for i in first]
+        each = [scaled_load(scenes[i]) for i in first]
         self.loads = [each[number] for number in own]
         self.unit = unit or min(unit for _, unit in each)
         self.load = common_load(scenes, self.unit)
@@ -103,19 +91,27 @@ class Plane:
 
     def run(self) -> None:
         """Solve all scenes."""
+        # Distances between points are taken in the unit square, whatever the ranges of friction and
+        # Poisson ratio, or, with one ratio, on a line.
+        span, low = np.ptp(self.values, axis=0), self.values.min(axis=0)
+        varied = [0, 1] if span[1] else [0]
+        self.places = ((self.values - low) / np.where(span > 0, span, 1.0))[:, varied]
         for targets in self._lattices():
             self._advance(targets)
 
-    def extended(self, scenes: Sequence[Scene]) -> Plane:
-        """Return a plane of these scenes too, of other frictions, which the known ones help."""
-        every = {scene.coefficient: scene for scene in (*scenes, *self.scenes)}
-        places = {friction: i for i, friction in enumerate(sorted(every))}
-        loads = dict(zip((scene.coefficient for scene in self.scenes), self.loads, strict=True))
-        longer = Plane([every[friction] for friction in places], self.rtol, self.unit, loads)
-        for name in ("solutions", "origin", "zones"):
-            for i, known in getattr(self, name).items():
-                getattr(longer, name)[places[self.scenes[i].coefficient]] = known
-        return longer
+    def add(self, scenes: Sequence[Scene]) -> None:
+        """Solve scenes of other frictions and the same Poisson ratio too, with help of all."""
+        others = Plane(scenes, self.rtol, self.unit)
+        for name in ("values", "hidden", "hiding", "strip", "followed", "still", "critical"):
+            setattr(self, name, np.concatenate([getattr(plane, name) for plane in (self, others)]))
+        self.scenes += others.scenes
+        self.loads += others.loads
+        friction, far_slip_rate = (
+            np.concatenate([getattr(plane.load, name) for plane in (self, others)])
+            for name in ("friction", "far_slip_rate")
+        )
+        self.load = replace(self.load, friction=friction, far_slip_rate=far_slip_rate)
+        self.run()
 
     def _lattices(self) -> Iterator[np.ndarray]:
         """Yield the points nearest to those of finer and finer lattices, and at last all others."""
@@ -160,6 +156,8 @@ class Plane:
     ) -> dict[Pattern, tuple[np.ndarray, np.ndarray]]:
         """Group points by the pattern of a rank around, with whether all around have it."""
         targets = targets[self.followed[targets] & self._unsolved(targets)]
+        if not len(targets):
+            return {}
         known = np.array(list(self.zones))
         around = Neighbourhood(self.places[known])
         near = known[around.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
@@ -195,7 +193,8 @@ class Plane:
         Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
         Where it is `measured` what edges lack on a loose rule, groups hold like solids alone.
         """
-        if not len(which):
+        if len(which) < 2:
+            yield from np.arange(len(which))[:, None]
             return
         edges = self._edges(pattern, which)
         parts, hiding = edges.parts(unknowns.T), self.hiding[which]

@@ -123,27 +123,15 @@ def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarra
 
     For some edges (e,) shares 1 / (1 + exp(-u)) are: one of the two is smooth near a segment's end.
     """
-    places, edges = len(stencils.near), values.shape[1]
-    result, doubt = np.zeros((places, edges)), np.zeros(places)
-    shared = np.zeros(edges, dtype=bool)
-    for edge in range(edges):
-        own = values[:, [edge]]
-        plain = stencils.best(own)(own)
-        share = 1 / (1 + np.exp(-own))
-        by_share = tuple(np.log(x / (1 - x)) for x in stencils.best(share)(share))
-        apart = [_apart(*pair) for pair in (plain, by_share)]
-        # One choice for each edge, by the median over the points, so that rows of Jacobians from
-        # different points can be blended.
-        shared[edge] = np.median(apart[1]) < np.median(apart[0])
-        chosen, off = (by_share, apart[1]) if shared[edge] else (plain, apart[0])
-        result[:, edge] = np.clip(np.nan_to_num(chosen[0][:, 0]), -FARTHEST, FARTHEST)
-        doubt = np.maximum(doubt, off)
-    return result, doubt, shared
-
-
-def _apart(values: Array, other: Array) -> Array:
-    """Return differences (t,) of values (t, 1), infinite where these are no numbers."""
-    return np.nan_to_num(np.abs(values - other)[:, 0], nan=np.inf)
+    share = 1 / (1 + np.exp(-values))
+    by_share = tuple(np.log(x / (1 - x)) for x in stencils.of_each(share))
+    plain = stencils.of_each(values)
+    apart, off = (np.nan_to_num(np.abs(a - b), nan=np.inf) for a, b in (plain, by_share))
+    # One choice for each edge, by the median over the points, so that rows of Jacobians from
+    # different points can be blended.
+    shared = np.median(off, axis=0) < np.median(apart, axis=0)
+    result = np.clip(np.nan_to_num(np.where(shared, by_share[0], plain[0])), -FARTHEST, FARTHEST)
+    return result, np.where(shared, off, apart).max(axis=1, initial=0.0), shared
 
 
 def _share_slope(unknowns: Array) -> Array:
