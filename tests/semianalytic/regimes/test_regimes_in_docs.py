@@ -61,7 +61,7 @@ def test_reverse_threshold(page, sentence):
     ("page", "sentence"),
     [
         (REGIMES, "the article has {}, 3.6 million"),
-        ("docs/article.md", "**No reading reproduces {}**"),
+        ("docs/article.md", "**No interpretation reproduces the threshold {}**"),
     ],
 )
 def test_published_threshold(page, sentence):
