@@ -79,7 +79,7 @@ def fit_command(
         list[str] | None,
         typer.Option(
             metavar="[NAME=]NUMBER",
-            help="Standard deviation, such as 0.5um, of all samples whose unit it is, or of a "
+            help="Standard deviation, such as 0.5um, of all samples in that unit, or of a "
             "quantity, where no column gives it.",
         ),
     ] = None,

@@ -101,7 +101,9 @@ _OPTIONS: Mapping[str, Any] = {
         metavar="NAME=NUMBER",
     ),
     "strict": option("Return 1 if conventions were inferred.", flag="--strict"),
-    "rate_from_slip": option("Make a slip rate of differences of slip.", flag="--rate-from-slip"),
+    "rate_from_slip": option(
+        "Compute slip rate from differences of slip.", flag="--rate-from-slip"
+    ),
     "threshold": measured_option(
         "length / time",
         "Slip rate at which slip has begun [length / time]; a hundredth of load / (ρ c_t).",
@@ -131,9 +133,9 @@ def validate_command(
 ) -> None:
     """Compare what another code recorded on the interface with the exact answer.
 
-    Conventions that are inferred are said first, with the options that state them; units never are.
-    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3
-    if a file cannot be read.
+    Inferred conventions are printed first, with the options that state them; units are never
+    inferred.  The exit code is 0 if nothing differs by more than the error bars allow, 1 if
+    something does, 3 if a file cannot be read.
     """
     require("slipfront validate", *PLOT)
     from compare.figures.saving import save_figure
