@@ -50,7 +50,7 @@ def main(folder: Path = Path(".")) -> float:
     axes.set(xlabel="distance from the edge of the slot [mm]", ylabel="time [µs]")
     figure.savefig(folder / "custom_history.png", dpi=100)
     print(
-        f"slip {1e6 * slip:.3f} µm, path {1e6 * whole.final_path[0]:.3f} µm "
+        f"slip {1e6 * slip:.3f} µm, accumulated slip {1e6 * whole.final_path[0]:.3f} µm "
         f"at x = {1e3 * x:.2f} mm; "
         f"work at most {whole.final_work_density.max():.3g} J/m²; {part:.1%} of the map reversed"
     )

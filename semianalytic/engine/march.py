@@ -1,6 +1,6 @@
 """Slip under any load history: the interface alone is marched in time on a spectral grid.
 
-Beside a slot the grid is half of a line that is even about its ends, so long that no wave from
+Next to a slot the grid is half of a line that is even about its ends, so long that no wave from
 x = 0 returns from a mirror to the observed length before the latest time; along a line it is one
 period (`plan`).  Jumps of the loads fall on time levels; between them a level takes the load
 at its time, or the exact mean over a step that contains several samples of a table.  Loads that
@@ -74,12 +74,12 @@ def march(
     """March the interface of a scene in time, under any load history and friction law.
 
     The method is described in docs/spacetime.md and docs/engine.md; its equation is (4.40) with the
-    right sign (docs/theory.md, "Any load history").  Beside a slot steps are equal.  Along a line
+    right sign (docs/theory.md, "Any load history").  Next to a slot steps are equal.  Along a line
     they are as long as friction and convergence allow: shortest in an event, up to a million times
     longer between events.  A second march on half the nodes gives the error estimates.  Ctrl-C ends
     a march early and returns what was computed until then.
 
-    Beside a slot a march needs 128 bytes per pole (about 25) and grid node (about 1.5 per contact
+    Next to a slot a march needs 128 bytes per pole (about 25) and grid node (about 1.5 per contact
     node), 32 bytes per stored node and level (see `GridPressure` for pressure that oscillates), and
     half as much again for its companion.  Its time grows like nodes^2.
 
@@ -88,38 +88,39 @@ def march(
     scene : Scene, str or path
         The scene to march, or its name or file as for `find`.
     end_time : float, optional
-        Last time [time]; beside a slot by default the time a shear wave takes over a length of 1.
+        Last time [time]; next to a slot by default the time a shear wave takes over a length of 1.
     nodes : int, optional
-        Beside a slot contact nodes on 0 < x < length, at least 16; by default 1000, or up to 8000
+        Next to a slot contact nodes on 0 < x < length, at least 16; by default 1000, or up to 8000
         where the loads, the slip zone at the edge or slip weakening need them.  Along a line nodes
         of one period, a multiple of 4; by default 512, or as many as the histories of loads and the
         narrowest contact or slot need, and up to twice as many, so that ends of contacts lie midway
         between nodes or close to it.  The grid is moved to have them there (`Marched.shift`) unless
         the interface is even; what it displaces still counts as error (`Marched.caution`).
     rtol : float, optional
-        Largest acceptable `Marched.error_estimate` beside a slot, and error of slip and gap along a
-        line.  The scene is marched on more and more nodes, as many as the order of convergence asks
-        for, up to 8000 beside a slot and 16,384 along a line, and is "unresolved" if these are not
-        enough.  Beside a slot it excludes `nodes`.
+        Largest acceptable `Marched.error_estimate` next to a slot, and error of slip and gap along
+        a line.  The number of nodes is raised, by as much as the order of convergence requires, up
+        to 8000 next to a slot and 16,384 along a line, and is "unresolved" if these are not
+        enough.  Next to a slot it excludes `nodes`.
     estimate : bool
-        Whether to march on half the nodes as well, for the error estimates; beside a slot it takes
+        Whether to march on half the nodes as well, for the error estimates; next to a slot it takes
         a quarter to a third more time from 1000 nodes on, half below.
     step_ratio : float
-        Shortest step c_t dt / h; stable below about 0.5 (nu near 0.5) to 0.65 (nu = 1/3) and more.
+        Shortest step, c_t dt over the node distance; stable below about 0.5 (nu near 0.5) to 0.65
+        (nu = 1/3) and more.
     every : int
         Store every n-th time level; the last is always stored.  It is raised if the stored levels
-        beside a slot do not fit into the memory, and doubled along a line if they exceed `frames`.
+        next to a slot do not fit into the memory, and doubled along a line if they exceed `frames`.
     latest : float, optional
         Time to which the march may be continued (`go_on`) [time]; end_time unless given.  Grid,
         steps and memory are made for it.
     go_on : Marched, optional
-        March of this scene that is continued to the end time; it is not changed.  Beside a slot it
+        March of this scene that is continued to the end time; it is not changed.  Next to a slot it
         keeps its grid and steps, and ends at the latest possible time by default.  Along a line the
-        last step, which was cut to end there, is taken anew.  The result is that of a march which
-        was not interrupted, along a line to the last bit.
+        last step, which was shortened to end there, is repeated.  The result is that of an
+        uninterrupted march, along a line to the last bit.
     progress : callable, optional
         Called with time and end time after each step of a march, not of its companion; if it
-        returns True the march ends there, beside a slot one step later where its companion has no
+        returns True the march ends there, next to a slot one step later where its companion has no
         level, and may be continued.
 
     Returns
@@ -131,18 +132,18 @@ def march(
     Other Parameters
     ----------------
     length : float, optional
-        Beside a slot, length of the contact that is observed [length]; by default the distance that
-        waves reach, c_l T (c_t T under antiplane shear alone).
+        Next to a slot, observed length of the contact [length]; by default the distance that waves
+        reach, c_l T (c_t T under antiplane shear alone).
     damping : float, optional
-        Beside a slot, least feedback of the shortest wave, 0 (none) ... 0.95; by default 0.7 under
+        Next to a slot, least feedback of the shortest wave, 0 (none) ... 0.95; by default 0.7 under
         friction that falls with slip, and 0.6 otherwise.
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
-        Beside a slot, memory that the march may take [bytes]; by default 70 % of what the machine
+        Next to a slot, memory that the march may take [bytes]; by default 70 % of what the machine
         has available.
     entry : float, optional
-        Beside a slot, distance from the tip at which a load that comes along it begins [length].
+        Next to a slot, distance from the tip at which a load that comes along it begins [length].
         By default it is so long that no wave from the beginning matters until `latest`.  If the
         front is no faster than the first wave, there is no such length, the answer depends on it,
         and the default is `length`; times then begin before 0, where the front reaches the tip.
@@ -162,10 +163,9 @@ def march(
     SceneError
         If an option is out of range, both nodes and an rtol are given, the step is beyond the
         stable range, rate weakening is ill posed at a pressure that arises, the grid does not
-        resolve the loads or sees nothing of slip weakening, or the march would take more memory
-        than it may.
+        resolve the loads or slip weakening, or the march would take too much memory.
     TensionError
-        If the pressure beside a slot turns tensile at a node.
+        If the pressure next to a slot turns tensile at a node.
     ComputationError
         If the memory cannot be fitted or values are no longer finite.
 

@@ -180,7 +180,7 @@ class Marched(AnswerInBodies, SampledAnswer):
 
         "friction" is the work of slip; "closing" is the work of the pressure on faces that meet,
         which is not negative and tends to 0 as the grid is refined, and that of adhesion, which is
-        strength x length / 2 per area that has parted.
+        strength x length / 2 per area that has separated.
         """
         of_slip, meets = self.final_work_density, self.checkpoint.end.closing
         return {

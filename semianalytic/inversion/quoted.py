@@ -46,7 +46,7 @@ class Quoted:
     x : (k,) array
         Places between the outermost gauges [length].
     front_speed : Measured
-        Speed at which slip comes to the places, (k,) [length / time].
+        Speed at which the slip front passes the places, (k,) [length / time].
     stress_drop : Measured
         Shear traction before loads less the least one after its peak, (k,) [stress].
     fracture_energy : Measured

@@ -72,7 +72,7 @@ def _one_sided(best: Minimum, covariance: Array, trials: Trials) -> str:
         if above < FAR**2 * (errors / OUT_OF_REACH) ** 2:
             value = there[place] * trials.sizes[place]
             return (
-                f"{name} is hardly bounded from {side}: {value:.4g}, {errors:.2g} standard errors "
+                f"{name} is poorly bounded from {side}: {value:.4g}, {errors:.2g} standard errors "
                 f"away, fits almost as well (chi2 {max(above, 0.0):.2g} above)"
             )
     return ""

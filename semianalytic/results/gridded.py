@@ -34,7 +34,7 @@ class Gridded:
 
     @property
     def has_bodies(self) -> bool:
-        """Whether the answer knows the fields in the bodies."""
+        """Whether the answer contains the fields in the bodies."""
         return False
 
     def _unknown(self, what: str, instead: str) -> NoReturn:
@@ -42,19 +42,19 @@ class Gridded:
         raise SceneError(f"{what}: a {type(self).__name__} does not contain it; {instead}.")
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Refuse to say the particle velocity; answers that know the bodies say it."""
+        """Raise SceneError; answers with fields in the bodies return the particle velocity."""
         self._unknown("velocity", "ask for fields of the interface")
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Refuse to say the stress in the bodies; answers that know the bodies say it."""
+        """Raise SceneError; answers with fields in the bodies return the stress."""
         self._unknown("stress", "ask for tractions of the interface")
 
     def strain(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Refuse to say the strain in the bodies; answers that know the bodies say it."""
+        """Raise SceneError; answers with fields in the bodies return the strain."""
         self._unknown("strain", "ask for tractions of the interface")
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Refuse to say the displacement in the bodies; answers that know the bodies say it."""
+        """Raise SceneError; answers with fields in the bodies return the displacement."""
         self._unknown("displacement", "ask for slip and gap of the interface")
 
     def save(self: Any, path: str | Path) -> None:
@@ -163,16 +163,16 @@ class Gridded:
 
 @asked_in_units
 class AnswerInBodies(Gridded):
-    """An answer that knows the fields in both bodies.
+    """An answer with the fields in both bodies.
 
-    Exact answers know them exactly, up to one interpolation, by Smirnov and Sobolev's method: a
+    Exact answers have them exactly, up to one interpolation, by Smirnov and Sobolev's method: a
     picture of 100,000 points takes a tenth of a second, and about a second the first time, when
-    what does not depend on the points is prepared.
+    quantities that do not depend on the points are computed.
     """
 
     @property
     def has_bodies(self) -> bool:
-        """Whether the answer knows the fields in the bodies, as it does."""
+        """Whether the answer contains the fields in the bodies: always."""
         return True
 
     @property

@@ -233,9 +233,10 @@ def _name(ax: Any, labels: Any, sizes: tuple[float, float], rise: str) -> None:
     for group in groups:
         x, y, _ = group[-1]
         names = ", ".join(dict.fromkeys(name for *_, name in group))
-        above = {"textcoords": "offset points", "xycoords": ("data", rise), "ha": "center"}
-        below = -12 if rise != "data" else 3  # the time of a profile stands above it
-        ax.annotate(names, (x, y), xytext=(0, below), fontsize="small", **above)
+        # the time of a profile stands above it, so names are right of the lines they would cross
+        shift, align = ((0, 3), "center") if rise == "data" else ((2, -12), "left")
+        where = {"textcoords": "offset points", "xycoords": ("data", rise), "ha": align}
+        ax.annotate(names, (x, y), xytext=shift, fontsize="small", **where)
 
 
 def draw_profile(answer: Any, axes: Any, end: float, limits: Any = None) -> Any:

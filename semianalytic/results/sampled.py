@@ -187,10 +187,10 @@ class SampledAnswer(Gridded):
         return onset_between(self.interface.x, self._places(x), onset)
 
     def front_speed(self, x: ArrayLike) -> Array:
-        """Return the speed of the slip front as it comes to x [length / time].
+        """Return the speed of the slip front where it passes x [length / time].
 
         It is the inverse slope of the onsets of slip at 17 nodes (`front_speeds`): nan where slip
-        does not come to all of them, or comes at once; errors are those of `arrival`.
+        does not begin at all of them, or begins at once; errors are those of `arrival`.
         """
         nodes, onset = self.interface.x, self._onset("slip")
         speeds = front_speeds(np.where(np.isfinite(onset), onset, np.nan), nodes[1] - nodes[0])

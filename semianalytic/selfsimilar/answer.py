@@ -131,8 +131,8 @@ class SelfSimilarAnswer(Gridded):
         return first_times(x, (zone for zone in self.zones if zone.sense == sense))
 
     def front_speed(self, x: ArrayLike) -> Array:
-        """Speed at which slip comes to x [length / time]: inf ahead of all waves, nan if it never
-        comes; raises like `arrival`."""
+        """Speed at which the slip front passes x [length / time]: inf ahead of all waves, nan if it
+        never does; raises like `arrival`."""
         when = self.arrival(x)
         speed = np.divide(np.abs(x), when, out=np.full(when.shape, np.inf), where=when > 0)
         return np.where(np.isfinite(when), speed, np.nan)

@@ -48,8 +48,8 @@ def chart(
 ) -> None:
     """Chart the error of each method that answers a scene against its computing time.
 
-    The reference is the exact answer of a self-similar scene, otherwise a fine march.  What the
-    budget has no room for is listed; the same command measures it, as after an interrupt.
+    The reference is the exact answer of a self-similar scene, otherwise a fine march.  Points
+    that exceed the budget are listed; the same command measures them later.
     """
     require("slipfront chart", *FEM, *PLOT)
     from compare.chart.figure import chart_document, described, write_chart

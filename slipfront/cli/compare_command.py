@@ -93,7 +93,7 @@ def compare_command(
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
-    The lower body is that of the file's [lower_material], or is like the upper one but for the
+    The lower body is that of the file's [lower_material], or equals the upper one except for the
     numbers that are given.  A scene on a line is marched and simulated on three meshes.
 
     The exit code is 0 if no quantity differs by more than the error bars allow, 1 if one does, and

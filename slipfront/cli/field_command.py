@@ -117,8 +117,8 @@ def field_command(
     """Draw fields inside the bodies with all fronts named; animate, export or record them.
 
     Velocity, stress and displacement are exact if the scene is self-similar, between different
-    bodies as well: the lower one is lower_material of the file, or is like the upper one
-    but for the numbers that are given.  All other scenes are marched until --time.  A picture is
+    bodies as well: the lower one is lower_material of the file, or equals the upper one
+    except for the numbers that are given.  All other scenes are marched until --time.  A picture is
     written to DIR/SCENE_QUANTITY.png, an animation to the same folder, grids to DIR/fields.pvd, and
     the record of the first --gauge to DIR/SCENE_gauge-1.csv; at the end every file is listed with
     what it shows.

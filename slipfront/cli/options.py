@@ -185,7 +185,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
             "shear.",
             ("P", "SV", "SH"),
         ),
-        ("wave_from", "Body the wave arrives from: below or above.", ("below", "above")),
+        ("wave_from", "Body from which the wave arrives: below or above.", ("below", "above")),
         (
             "units",
             "SI: all numbers of the scene are in m, s, kg and Pa, and so are the answers.",
@@ -206,7 +206,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "angle": "Angle of the wave from the normal [degrees]; negative: it meets the contact "
         "first.",
         "wave_velocity": "Step of particle velocity of the wave [length / time].",
-        "wave_stress": "Impedance times that step, in its place [stress].",
+        "wave_stress": "Impedance times that step, as an alternative [stress].",
         "load_speed": "Speed of the load over the slot, away from its tip [length / time]; "
         "negative: towards the tip.",
         "viscosity": "Viscosity of a film: shear strength over slip rate [stress time / length].",
@@ -257,10 +257,10 @@ MARCH_OPTIONS: Mapping[str, Any] = {
         "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
         "rtol": (float, "Largest error estimate; chooses the nodes."),
         "length": (float, "Part of the contact that is observed [length]; c_l T by default."),
-        "step_ratio": (float, "c_t times the step over the node distance; 0.5 by default."),
+        "step_ratio": (float, "c_t times the step over the node distance; 0.4 by default."),
         "every": (int, "Store every n-th step."),
         "latest": (float, "Time to which a saved march can be continued [time]; T by default."),
-        "entry": (float, "Where a load that comes along the slot begins [length before the tip]."),
+        "entry": (float, "Distance before the tip at which a load along the slot begins [length]."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
         "no_estimate": (bool, "Skip the second march, on half the nodes, that gives the error."),
         "save": (Path, "File to save the answer to: .h5, or .nc for NetCDF of a march."),

@@ -78,15 +78,14 @@ def solve_command(
 ) -> None:
     """Solve a scene: slip zones, edge velocities, and everything that happens until an end time.
 
-    With --x 5cm --t 30us a table says when slip comes to x, and slip, slip rate and tractions at t,
-    each with the bar of its error; numbers may have units if the scene is in those of the SI.
+    With --x 5cm --t 30us a table shows when slip begins at x, and slip, slip rate and tractions at
+    t, each with its error; numbers may have units if the scene is in SI units.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time, and so
-    are interfaces: contacts, fields along x and friction with state.  Whole lines without a slot,
-    and loads that grow as a power of time, are solved exactly as well, and so are step loads
-    between different bodies: the lower one is lower_material of the file, or is like the upper one
-    but for the numbers that are given.  The exit code is 4 if the solution has not converged, or a
-    march is unresolved or misses --rtol; the best answer is printed all the same.
+    Step loads are solved exactly, also between different bodies, and so are lines without a slot
+    and loads that grow as a power of time.  Other scenes are marched in time.  The lower body is
+    lower_material of the file, or equals the upper one except for the numbers that are given.  The
+    exit code is 4 if the solution has not converged, or a march is unresolved or misses --rtol; the
+    best answer is printed in any case.
     """
     label = scene_label(scene_name)
     if Path(scene_name).suffix == ".h5":

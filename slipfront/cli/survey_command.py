@@ -101,11 +101,10 @@ def survey_command(
     as_json: options.AsJson = False,
     quiet: options.Quiet = False,
 ) -> None:
-    """Solve a scene or run an interface at many values of its parameters, into NetCDF.
+    """Solve a scene for many values of its parameters, and write NetCDF.
 
-    SCENE may also be on a line, which is marched.  Two different bodies
-    with a slot are solved exactly: the lower one is lower_material of the file, or is like
-    the upper one but for the numbers that are given.
+    Scenes on a line and other scenes that are not self-similar are marched.  The lower body is
+    lower_material of the file, or equals the upper one except for the numbers that are given.
 
     An interrupted survey resumes when it is started again with the same values.  Scenes that are
     refused have nan as their values and the reason as their status; the exit code is still 0.

@@ -78,16 +78,6 @@ def test_gallery_is_drawn_in_its_own_order(tmp_path, monkeypatch):
     assert [path.name for path in (tmp_path / "figures").iterdir()] == ["first_answer.png"]
 
 
-def test_page_for_newcomers_prints_what_it_says():
-    page = (DOCS / "start.md").read_text()
-    code = page.split("```python\n")[1].split("```")[0]
-    assert len([line for line in code.splitlines() if line]) <= 12
-    shown = io.StringIO()
-    with contextlib.redirect_stdout(shown):
-        exec(code, {})
-    assert shown.getvalue() == page.split("```text\n")[1].split("```")[0]
-
-
 def test_page_for_newcomers_asks_the_command_line_the_same(capsys):
     page = (DOCS / "start.md").read_text()
     line = page.split("    slipfront solve")[1].split("\n\n")[0].replace("\\\n", " ")

@@ -1,4 +1,5 @@
-"""Every Python program of README and of the pages runs as it is pasted, in a folder of its own."""
+"""Every Python program of README and of the pages runs as it is pasted, in a folder of its own,
+and prints what stands below it."""
 
 import contextlib
 import io
@@ -14,7 +15,11 @@ SNIPPETS = {
     f"{page.name}-{number}": code
     for page in pages()
     for number, code in enumerate(
-        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+        re.findall(
+            r"```python\n(.*?)```(?:\n\n(?:(?:It )?prints\n\n)?```text\n(.*?)```)?",
+            page.read_text(encoding="utf-8"),
+            re.DOTALL,
+        )
     )
 }
 LONG = ("extending.md-1", "start.md-2", "survey.md-0", "spacetime.md-0")
@@ -27,7 +32,9 @@ LONG = ("extending.md-1", "start.md-2", "survey.md-0", "spacetime.md-0")
 def test_snippet_runs_as_pasted(name, tmp_path, monkeypatch):
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     monkeypatch.chdir(tmp_path)
-    with contextlib.redirect_stdout(io.StringIO()):
-        exec(compile(SNIPPETS[name], name, "exec"), {"__name__": "pasted"})
+    code, printed = SNIPPETS[name]
+    with contextlib.redirect_stdout(io.StringIO()) as shown:
+        exec(compile(code, name, "exec"), {"__name__": "pasted"})
+    assert shown.getvalue() == (printed or shown.getvalue())
     pyplot.close("all")
     logging.getLogger("semianalytic").setLevel(logging.NOTSET)  # one program sets it

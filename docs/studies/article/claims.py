@@ -79,9 +79,9 @@ def no_shear_ahead(cases: Cases) -> Verdicts:
     front = float(stuck_traction(1 / 3, "II")(1.0))
     simulated = _stuck_shear_near_front(cases["remote", 2.0])
     return (
-        _judge(front < NOTICEABLE, f"its own (3.14) gives q* = {front:.4f} Q_0 at x = c_t t"),
-        _judge(front < NOTICEABLE, f"q* rises from 0 at c_l t to {front:.4f} Q_0 at c_t t"),
-        _judge(simulated < NOTICEABLE, f"q* up to {simulated:.3f} Q_0 on c_t t < x < c_l t"),
+        _judge(front < NOTICEABLE, f"its own (3.14) gives q = {front:.4f} Q_0 at x = c_t t"),
+        _judge(front < NOTICEABLE, f"q rises from 0 at c_l t to {front:.4f} Q_0 at c_t t"),
+        _judge(simulated < NOTICEABLE, f"q up to {simulated:.3f} Q_0 on c_t t < x < c_l t"),
     )
 
 

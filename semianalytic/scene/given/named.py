@@ -31,7 +31,7 @@ _GOUGE, _ROCK = Material(1.0, 1.0, 0.25), Material(2.5, 1.2, 0.25)
 NAMED_SCENES: dict[str, NamedScene] = {
     "preloaded": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0)),
-        "constant pressure, sudden shear: two slip zones, one ahead of the shear wave",
+        "constant pressure, sudden shear: two slip zones, one across the shear wave",
     ),
     "remote-shock": NamedScene(
         Scene(_UNIT_SOLID, 1.25, base=_NOTHING, load=_BOTH, load_on=REMOTE),
@@ -75,7 +75,7 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "incident-p": NamedScene(
         Scene(_UNIT_SOLID, 0.4, _PRELOAD, IncidentWave("P", angle=-30.0, stress=-0.6)),
-        "a wave of tension at 30 degrees: the contact opens from its edge, slip runs ahead",
+        "a wave of tension at 30 degrees: the contact opens from its edge, with slip ahead",
     ),
     "incident-sv": NamedScene(
         Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-20.0, stress=0.3)),
@@ -98,11 +98,11 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "lift-off": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
-        "pressure put on the slot: the contact opens from its edge",
+        "pressure applied to the slot: the contact opens from its edge",
     ),
     "lift-off-shear": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 1.0)),
-        "pressure and shear put on the slot: slip runs ahead of the opening",
+        "pressure and shear applied to the slot: slip runs ahead of the opening",
     ),
     "tap": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=Tractions(0.02, 0.0), load=Tractions(1.0, 0.0)),
@@ -114,7 +114,7 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "pair-opening": NamedScene(
         Scene(_GOUGE, 0.3, _PRELOAD, Tractions(-1.0, 0.5), lower_material=_ROCK),
-        "two different bodies, pressure and shear put on the slot: slip ahead of an opening",
+        "two different bodies, pressure and shear applied to the slot: slip ahead of an opening",
     ),
     "whole-line-patch": NamedScene(
         Scene(_UNIT_SOLID, 0.5, _PRELOAD, Patch(speed=0.3, shear=1.0)),

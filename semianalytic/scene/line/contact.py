@@ -192,11 +192,11 @@ class Contact:
 class Adhesion(Alike):
     """Tension that a contact carries before it opens.
 
-    Faces that touch and have never parted carry tension up to the strength.  Where they part, the
-    tension falls linearly to 0 over the length; it takes strength x length / 2 per area to part
-    them.  Where they come together before, it falls in proportion to the gap.  Faces that have
-    parted by the length touch like any other contact.  Friction acts where the
-    faces touch; under tension only cohesion remains of it.
+    Faces that have never separated carry tension up to the strength.  Where they separate, the
+    tension falls linearly with the gap and vanishes at the length; this takes strength x length / 2
+    per area.  Where they approach again before, it falls in proportion to the gap.  Faces that have
+    separated by the length touch without adhesion afterwards.  Under tension only cohesion resists
+    slip.
 
     Parameters
     ----------

@@ -133,7 +133,7 @@ def score(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Score runs: what `validate` says, and errors of arrivals, slip, slip rate and tractions."""
+    """Score runs: verdict of `validate`, and errors of arrivals, slip, slip rate and tractions."""
     from compare.benchmarks.scores import score_files
 
     given = None if sheet is None else find_sheet(sheet)

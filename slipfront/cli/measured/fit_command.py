@@ -60,8 +60,8 @@ _OPTIONS: Mapping[str, Any] = {
         "Parameters to fit, such as friction,load_shear.", metavar="NAME,..."
     ),
     "noise": options.option(
-        "Standard deviation, such as 0.5um, of all samples whose unit it is, or of a quantity, "
-        "where no column gives it.",
+        "Standard deviation, such as 0.5um, of all samples in that unit, or of a quantity, where "
+        "no column gives it.",
         metavar="[NAME=]NUMBER",
     ),
     "gauge": options.option(

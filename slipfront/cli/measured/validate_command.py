@@ -93,7 +93,7 @@ _OPTIONS: Mapping[str, Any] = {
     ),
     "strict": options.option("Return 1 if conventions were inferred.", flag="--strict"),
     "rate_from_slip": options.option(
-        "Make a slip rate of differences of slip.", flag="--rate-from-slip"
+        "Compute slip rate from differences of slip.", flag="--rate-from-slip"
     ),
     "threshold": options.measured_option(
         "length / time",
@@ -130,9 +130,9 @@ def validate_command(
 ) -> None:
     """Compare what another code recorded on the interface with the exact answer.
 
-    Conventions that are inferred are said first, with the options that state them; units never are.
-    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3
-    if a file cannot be read.
+    Inferred conventions are printed first, with the options that state them; units are never
+    inferred.  The exit code is 0 if nothing differs by more than the error bars allow, 1 if
+    something does, 3 if a file cannot be read.
     """
     require("slipfront validate", *PLOT)
     from compare.figures.saving import save_figure

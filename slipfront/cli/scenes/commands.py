@@ -56,7 +56,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 
 def scenes(as_json: AsJson = False) -> None:
-    """List all scenes, and what other packages bring: scenes, laws, histories, figures, methods."""
+    """List all scenes, and the laws, histories, figures and methods of other packages."""
     rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
     groups = (LAWS, HISTORIES, FIGURES, METHODS)
     others = [_row(plugin) for group in groups for plugin in plugins(group)]

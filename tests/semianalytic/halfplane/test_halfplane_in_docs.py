@@ -42,7 +42,7 @@ def one_zone():
         (THEORY, r"| p\* | {} | {} | {} | {} |", lambda: stuck("I", [0.7, 1.0, 2.0, 10.0])),
         (THEORY, r"| q\* | {} | {} | {} | {} |", lambda: stuck("II", [0.7, 1.0, 2.0, 10.0])),
         # shear traction ahead of the shear wave
-        (ARTICLE, r"q\* reaches {} Q_0 at c_t t", lambda: stuck("II", 1.0)),
+        (ARTICLE, r"q\* reaches {} at c_t t", lambda: stuck("II", 1.0)),
         # where the bound of friction is negative without a base
         (ARTICLE, "negative on {} c_t t", place_without_pressure),
         (SCENES, "ν = 1/3 (c_R = {}, c_l", lambda: [THIRD.rayleigh_speed]),
@@ -57,7 +57,7 @@ def one_zone():
             one_zone,
         ),
         (THEORY, "Λ = {} there at ν = 1/3, and {} at 1.6 $c_t$", slip_everywhere),
-        (THEORY, "with δ = {}, where", lambda: edge_offset_and_factors()[:1]),
+        (THEORY, "distance $\\Delta x$ and δ = {}, where", lambda: edge_offset_and_factors()[:1]),
         (
             "docs/spacetime.md",
             "as if the first node were {} spacings",

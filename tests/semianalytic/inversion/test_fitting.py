@@ -94,7 +94,7 @@ def test_what_is_bounded_from_one_side_alone_is_told(seed):
     if found.unconstrained:
         return
     assert found.standard_errors[0] < 0.15
-    said = r"friction is hardly bounded from above: \d\.\d+, 20 standard errors away, fits almost"
+    said = r"friction is poorly bounded from above: \d\.\d+, 20 standard errors away, fits almost"
     assert re.match(said, found.status)
 
 
