@@ -378,13 +378,11 @@ class Case:
         return math.ceil(times * self.simulation.resolution) or None
 
     def remedy(self, resolution: int) -> str:
-        """Return element size of a resolution, and the time and memory that a simulation with it
-        would take."""
+        """Return what such a resolution may do and what it takes, in words."""
         run = self.simulation
-        size = run.element_size * run.resolution / resolution
         options = {name: getattr(run, name) for name in ("damping", "mesh")}
-        taken = Prices(run.scene, run.end_time, options=options).unseen(Feature("", resolution))
-        return f"resolution {resolution}, h = {size:.2g}: {taken.toll}"
+        prices = Prices(run.scene, run.end_time, options=options)
+        return prices.unseen(Feature("", resolution)).advice
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
