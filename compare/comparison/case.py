@@ -399,9 +399,9 @@ def beyond_edge(x: Array, run: Simulation) -> Mask:
     return np.asarray(x > (EDGE_CELLS + 0.25) * run.element_size)
 
 
-def too_narrow(parts: Mask) -> Mask:
-    """Mask of the parts that fewer than `UNSEEN` nodes in a row belong to, (m, n)."""
-    return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, UNSEEN), dtype=bool))
+def too_narrow(parts: Mask, least: int = UNSEEN) -> Mask:
+    """Mask of the parts that fewer than so many nodes in a row belong to, (m, n)."""
+    return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, least), dtype=bool))
 
 
 def worn_of(part: int, answer: Answer, at_nodes: InterfaceHistory) -> Array:
