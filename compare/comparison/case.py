@@ -376,13 +376,11 @@ class Case:
         return math.ceil(times * self.simulation.resolution) or None
 
     def remedy(self, resolution: int) -> str:
-        """Return element size of a resolution, and the time and memory that a simulation with it
-        would take."""
+        """Return what such a resolution may do and what it takes, in words."""
         run = self.simulation
-        size = run.element_size * run.resolution / resolution
         options = {name: getattr(run, name) for name in ("damping", "mesh")}
-        taken = Prices(run.scene, run.end_time, options=options).unseen(Feature("", resolution))
-        return f"resolution {resolution}, h = {size:.2g}: {taken.toll}"
+        prices = Prices(run.scene, run.end_time, options=options)
+        return prices.unseen(Feature("", resolution)).advice
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
@@ -399,9 +397,9 @@ def beyond_edge(x: Array, run: Simulation) -> Mask:
     return np.asarray(x > (EDGE_CELLS + 0.25) * run.element_size)
 
 
-def too_narrow(parts: Mask) -> Mask:
-    """Mask of the parts that fewer than `UNSEEN` nodes in a row belong to, (m, n)."""
-    return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, UNSEEN), dtype=bool))
+def too_narrow(parts: Mask, least: int = UNSEEN) -> Mask:
+    """Mask of the parts that fewer than so many nodes in a row belong to, (m, n)."""
+    return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, least), dtype=bool))
 
 
 def worn_of(part: int, answer: Answer, at_nodes: InterfaceHistory) -> Array:

@@ -56,7 +56,7 @@ class Judgement(HasRows[Row]):
             (
                 row.label,
                 *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
-                *map(row.shown_share, (row.difference, row.bar)),
+                *row.shown_shares(row.difference, row.bar),
                 f"{row.said}: {row.obstacle}" if row.obstacle else row.said,
             )
             for row in self.rows
@@ -80,7 +80,7 @@ class Judgement(HasRows[Row]):
         return self.case.rests
 
     def remedy(self, row: Row) -> str:
-        """Return the mesh that would resolve a row, and its cost; "" where none is known."""
+        """Return which mesh may resolve a row, in words; "" where none is known."""
         if row.verdict != UNRESOLVED or row.resolution is None:
             return ""
         return self.case.remedy(row.resolution)

@@ -209,7 +209,8 @@ def field_row(
     off, was = abs(row.difference or 0.0), before()
     if off <= (1.0 if kind in BASIC else SMEARED) * was + added + floor:
         return row
-    reason = f"{AWAY}off by {row.shown_share(off)} here and by {row.shown_share(was)} with 2h"
+    here, there = row.shown_shares(off, was)
+    reason = f"{AWAY}off by {here} here and by {there} with 2h"
     return replace(row, obstacle=reason, resolution=case.finer)
 
 

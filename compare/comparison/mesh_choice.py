@@ -52,6 +52,8 @@ one that 0.2 does not mend either; bars were no wider."""
 BARS = "error bars under the {} history"
 """Feature of error bars, which are narrower if coarser meshes follow a load too."""
 WITHIN = "the finest within budget and memory"
+RESOLVED_WITH = "may be resolved with {}"
+"""Advice on what is unresolved, with a setting by its name."""
 
 YEAR = 365.25 * 86400
 LONGEST = 1000 * YEAR
@@ -69,9 +71,9 @@ class Feature(NamedTuple):
 class Unseen:
     """Feature that a mesh is too coarse for, and the mesh that would show it.
 
-    The resolution is in node distances per c_t T; time [s] and memory [bytes] are those of such a
-    simulation with its companions and without snapshots on this machine, even if no mesh may be so
-    large, which `meshable` says.
+    The resolution is in node distances per c_t T; time [s] and memory [bytes] are those of a
+    comparison without snapshots on this machine at that resolution, or at the usual one if that is
+    finer, even if no mesh may be so large, which `meshable` says.
     """
 
     name: str
@@ -81,11 +83,13 @@ class Unseen:
     meshable: bool
 
     @property
-    def toll(self) -> str:
-        """Time and memory that the feature would take, in words."""
-        return toll(self.seconds, self.memory) + (
-            "" if self.meshable else ", more than a mesh may have"
-        )
+    def advice(self) -> str:
+        """What the feature takes to be seen, in words."""
+        if not self.meshable:
+            return f"it would take `resolution` {self.resolution}, more than a mesh may have"
+        default = ", the default" if self.resolution <= USUAL else ""
+        size = f"`resolution` {_at_least_usual(self.resolution)}{default}"
+        return f"{RESOLVED_WITH.format(size)}, in about {duration(self.seconds)} without snapshots"
 
 
 @dataclass(frozen=True)
@@ -170,18 +174,18 @@ class Prices:
         return taken + times * (seconds - bare)
 
     def here(self, resolution: int) -> tuple[float, float]:
-        """Time on this machine [s] and memory [bytes], extrapolated from a mesh that is allowed
-        where one of this resolution is too large."""
+        """Time of a comparison on this machine [s] and memory [bytes], extrapolated from a mesh
+        that is allowed where one of this resolution is too large."""
         seconds, memory = self.at(resolution)
         if math.isfinite(seconds) or resolution <= LEAST:
-            return self.pace * seconds, memory
+            return self.pace * (seconds + self.comparing(resolution)), memory
         seconds, memory = self.here(resolution // 2)
         return 2**3 * seconds, 2**2 * memory
 
     def unseen(self, feature: Feature) -> Unseen:
         """Return the resolution, time and memory that it would take to see a feature."""
-        seconds, _ = self.at(feature.resolution)
-        return Unseen(*feature, *self.here(feature.resolution), math.isfinite(seconds))
+        size = _at_least_usual(feature.resolution)
+        return Unseen(*feature, *self.here(size), math.isfinite(self.at(size)[0]))
 
 
 def choose_mesh(
@@ -262,10 +266,8 @@ def choose_mesh(
     bare = replace(prices, snapshots=False)
     unresolved = tuple(bare.unseen(part) for part in features if part.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
-    seconds, taken = prices.here(resolution)
-    seconds += prices.pace * prices.comparing(resolution)
     damping = options["damping"]
-    return MeshChoice(resolution, reason, needed, seconds, taken, unresolved, damping)
+    return MeshChoice(resolution, reason, needed, *prices.here(resolution), unresolved, damping)
 
 
 def short_waves_grow(scene: Scene) -> bool:
@@ -380,6 +382,11 @@ def _finest(affordable: Callable[[int], bool], low: int, high: int, stride: int)
         middle = (steps + beyond) // 2
         steps, beyond = (middle, beyond) if affordable(low + middle * stride) else (steps, middle)
     return low + steps * stride
+
+
+def _at_least_usual(resolution: int) -> int:
+    """A whole resolution from this one and the usual one on."""
+    return _whole(max(resolution, USUAL))
 
 
 def _whole(resolution: int) -> int:

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from semianalytic.results.in_words import digits_apart
+
 AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
 
 TELLING = 0.5
@@ -141,11 +143,16 @@ class Row:
         """Name of the row, with the unit of its values unless they are relative or unitless."""
         return self.name if self.relative or self.unit == "1" else f"{self.name} [{self.unit}]"
 
-    def shown_share(self, value: float | None) -> str:
-        """A difference or bar of the row to two digits, in per cent where it is relative."""
-        if value is None or not self.relative:
-            return shown_number(value, DIFFERENCE_DIGITS)
-        return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
+    def shown_shares(self, *values: float | None) -> list[str]:
+        """Differences or bars of the row, in per cent where it is relative: to two digits, or to as
+        many more as show that their sizes are not the same."""
+        per, end = (100, " %") if self.relative else (1, "")
+        sizes = [per * abs(value) for value in values if value is not None]
+        digits = digits_apart(sizes, DIFFERENCE_DIGITS)
+        return [
+            shown_number(value) if value is None else shown_number(per * value, digits) + end
+            for value in values
+        ]
 
     @property
     def alarm(self) -> float:
@@ -209,24 +216,33 @@ class HasRows(Generic[AnyRow]):
         """
         if self.having(DIFFERS):
             return DIFFERS
-        deciding = [row for row in self.rows if row.kind in self.basis]
-        # the pressure of a right simulation converges: it did in all 500 scenes drawn
-        pressed = [row for row in self.rows if row.kind == "pressure"]
-        if not all(row.converges for row in (*deciding, *pressed)):
+        if self.hindering:
             return UNRESOLVED
-        if any(row.obstacle.startswith(BEYOND) for row in self.rows if row.kind in BASIC):
-            return UNRESOLVED
-        if any(row.obstacle.startswith((AWAY, UNLIKE)) for row in self.rows):
-            return UNRESOLVED
-        verdicts = [row.verdict for row in deciding if row.size]
-        if self.basis == REST and UNRESOLVED in verdicts:
-            return UNRESOLVED
-        # tractions stand for slip that no mesh resolves only where they are known well
-        if self.basis == REST and not self.rests and any(row.width > WIDE for row in deciding):
-            return UNRESOLVED
-        if self.rests and not verdicts:  # laws are all that is left to agree
-            verdicts = [row.verdict for row in self.rows]
-        return overall(verdicts)
+        deciding = [row for row in self.rows if row.kind in self.basis and row.size]
+        if self.rests and not deciding:  # laws are all that is left to agree
+            deciding = [*self.rows]
+        return overall(row.verdict for row in deciding)
+
+    @property
+    def hindering(self) -> tuple[AnyRow, ...]:
+        """Rows that leave the verdict open, if none differs."""
+        basis = self.basis
+        sized = [row for row in self.rows if row.kind in basis and row.size]
+        found = [
+            row
+            for row in self.rows
+            # the pressure of a right simulation converges: it did in all 500 scenes drawn
+            if (row.kind in (*basis, "pressure") and not row.converges)
+            or (row.kind in BASIC and row.obstacle.startswith(BEYOND))
+            or row.obstacle.startswith((AWAY, UNLIKE))
+        ]
+        if basis == REST:
+            found += [row for row in sized if row.verdict == UNRESOLVED]
+        if basis == REST and not self.rests:
+            # tractions stand for slip that no mesh resolves only where they are known well
+            found += [row for row in self.rows if row.kind in REST and row.width > WIDE]
+        agree = any(row.verdict == AGREES for row in sized)
+        return tuple(found if found or agree else sized)
 
     @property
     def said(self) -> str:
@@ -244,14 +260,15 @@ class HasRows(Generic[AnyRow]):
         for kind in self.basis:
             row = next((row for row in self.rows if row.kind == kind and row.bar is not None), None)
             if row is not None and row.difference is not None:
-                off, bar = map(row.shown_share, (abs(row.difference), row.bar))
+                off, bar = row.shown_shares(abs(row.difference), row.bar)
                 unknown = f" ({UNRESOLVED})" if row.verdict == UNRESOLVED else ""
+                unknown = " (beyond its bar)" if row.over_bar > 1 else unknown
                 parts.append(f"{kind} {off.removesuffix(' %')} ± {bar}{unknown}")
         edges = [row for row in self.rows if row.kind in EDGES and row.verdict != UNRESOLVED]
         known = [row for row in edges if row.bar is not None and row.difference is not None]
         if known:
             far = max(known, key=lambda row: row.over_bar)
-            off, bar = map(far.shown_share, (abs(far.difference or 0.0), far.bar))
+            off, bar = far.shown_shares(abs(far.difference or 0.0), far.bar)
             parts.append(f"edges {off} ± {bar} {far.unit}")
         if self.rests and not parts:
             return "nothing slips or opens in either answer, and no traction changes"

@@ -113,7 +113,7 @@ def compare_command(
     refuse_given({"size": settings.get("size")}, "is for specimens; this one takes --resolution")
     if scene_name is not None and (found := find(scene_name)).on_line:
         scenes = {"from": from_, "budget": budget}
-        reason = f"is for scenes with a slot; leave it out for {scene_name}"
+        reason = f"is for scenes with a slot; {scene_name} takes --nodes and --mesh-nodes"
         refuse_given({**scenes, **settings, "end_time": None}, reason)
         given = {name: n for name, n in settings.items() if name == "end_time"}
         given |= along
@@ -148,7 +148,7 @@ def compare_command(
                 label,
                 {**settings, "resolution": choice.resolution, "damping": choice.damping},
                 snapshots=snapshots,
-                foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
+                foretold=tuple(terminal.mesh_lines(choice)),
                 allowed=None if seconds is None else (choice.seconds, seconds),
                 quiet=quiet,
             )
@@ -167,7 +167,10 @@ def compare_command(
         document = report_document(judgement, label)
         terminal.print_json("compare", document, judgement.verdict, files)
     else:
-        title = f"Semi-analytic against finite elements: {label}"
+        title = (
+            f"Compared: {label}, the {method_of(prediction)} answer with finite elements of "
+            f"resolution {simulation.resolution}, until t = {simulation.end_time:g}."
+        )
         headings = {"exact": "exact", "at_nodes": "at nodes", "simulated": "FEM"}
         terminal.print_judgement(judgement, title, headings, everything=everything)
         Console().print(f"All rows are in {directory / PAGE}", highlight=False)
@@ -260,8 +263,8 @@ def _compare_line(
     else:
         finest = case.simulations[0]
         title = (
-            f"{source}: {done.nodes} nodes against finite elements, {finest.nodes} along the "
-            f"interface, {finest.steps} steps{case.later}"
+            f"Compared: {source}, a march of {done.nodes} nodes with finite elements of "
+            f"{finest.nodes} nodes along the interface, until t = {case.until:.4g}{case.later}."
         )
         headings = {"at_nodes": "run", "simulated": "FEM"}
         named = ("nodes", "mesh_nodes", "size")

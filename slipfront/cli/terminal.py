@@ -214,16 +214,15 @@ def simulation_line(simulation: Simulation) -> str:
     )
 
 
-def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
+def mesh_lines(choice: MeshChoice) -> Iterator[str]:
     """Yield which mesh was chosen, why, and its cost; then each feature that it cannot resolve."""
     from compare.comparison.mesh_choice import toll
 
     taken = toll(choice.seconds, choice.memory)
     yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
-    bare = " without snapshots" if snapshots else ""
     for unseen in choice.unresolved:
-        taken = f"resolution {unseen.resolution}{bare}: {unseen.toll}"
-        yield f"stays unresolved: {unseen.name} ({taken})"
+        advice = in_options(unseen.advice, MESH_OPTIONS)
+        yield f"will stay unresolved: {unseen.name}; {advice}"
 
 
 def error_line(simulation: Simulation) -> str:
@@ -255,7 +254,7 @@ def judged_table(title: str, rows: Sequence[Row], **numbers: str) -> PrintedTabl
         label = row.name if row.unit in ("1", "exact") else f"{row.name} [{row.unit}]"
         label = f"{label} at {place}" if (place := getattr(row, "place", "")) else label
         cells = [shown_number(getattr(row, name), DIGITS) for name in numbers]
-        cells += [row.shown_share(row.difference), row.shown_share(row.bar)]
+        cells += row.shown_shares(row.difference, row.bar)
         table.add_row(
             escape(label),
             *cells,
@@ -283,7 +282,7 @@ def references_line(judgement: Judgement | Validation) -> str:
 
     run = judgement.exact if isinstance(judgement, Validation) else judgement.simulation
     if not hasattr(run, "scene"):  # an interface is compared in its own units
-        return "Units: those of the file; % of the prediction"
+        return "Units: those of the scene; % of the prediction"
     references = reference_values(run.scene, run.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
     return f"Units: {', '.join(values)}; % of the prediction"
@@ -295,21 +294,28 @@ def verdict_lines(judgement: Judgement | Validation) -> Iterator[str]:
     rows = ", ".join(f"{count} {verdict.removesuffix('s')}" for verdict, count in found if count)
     yield f"Verdict: {judgement.said} ({f'rows: {rows}' if rows else 'nothing is compared'})."
     if quoted := judgement.quoted:
-        yield f"Difference ± error bar: {quoted}." if "±" in quoted else f"{quoted.capitalize()}."
+        what = "Difference ± error bar of what decides: " if "±" in quoted else ""
+        yield f"{what}{quoted}." if what else f"{quoted.capitalize()}."
 
 
 def unresolved_lines(
     judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS
 ) -> Iterator[str]:
-    """Yield each reason for which rows are unresolved, with its remedy."""
-    alike: dict[str, list[str]] = {}
-    for row in judgement.having(UNRESOLVED):
-        remedy = judgement.remedy(row)
-        reason = f"{row.obstacle}{f' ({remedy})' if remedy else ''}"
-        alike.setdefault(in_options(reason, options), []).append(row.name)
-    if alike:
-        yield "Unresolved:"
-    yield from (f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items())
+    """Yield each reason for which rows are unresolved, with its remedy; first those that leave the
+    verdict open."""
+    hindering = judgement.hindering if judgement.verdict == UNRESOLVED else ()
+    for heading, open_ in (
+        ("Unresolved, which leaves the verdict open:", True),
+        ("Unresolved, without effect on the verdict:", False),
+    ):
+        alike: dict[str, list[str]] = {}
+        for row in judgement.having(UNRESOLVED):
+            if (row in hindering) == open_:
+                reason = "; ".join(filter(None, (row.obstacle, judgement.remedy(row))))
+                alike.setdefault(in_options(reason, options), []).append(row.name)
+        if alike:
+            yield heading
+        yield from (f"  · {'; '.join(names)}: {reason}." for reason, names in alike.items())
 
 
 def print_judgement(
@@ -320,17 +326,15 @@ def print_judgement(
     *,
     everything: bool,
 ) -> None:
-    """Print the verdict and what is to be quoted; then the rows that do not agree, or all, with
-    reasons."""
+    """Print the verdict, what is to be quoted, what was compared and what is unresolved; then the
+    rows that do not agree, or all."""
     console = Console()
-    for line in (*verdict_lines(judgement), title):
+    for line in (*verdict_lines(judgement), title, *unresolved_lines(judgement, options)):
         console.print(line, highlight=False, markup=False)
     rows = [row for row in judgement.rows if everything or row.verdict != AGREES]
     if rows:
         console.print(judged_table("", rows, **headings))
         console.print(references_line(judgement), highlight=False)
-    for line in unresolved_lines(judgement, options):
-        console.print(line, highlight=False)
     if len(rows) < len(judgement.rows):
         said = f"{len(judgement.rows) - len(rows)} rows agree; --all prints them."
         console.print(said, highlight=False)

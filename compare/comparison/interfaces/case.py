@@ -13,6 +13,7 @@ import numpy as np
 from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import value_row
 from compare.comparison.measures import NARROW
+from compare.comparison.mesh_choice import RESOLVED_WITH
 from compare.comparison.quantities.edge_rows import (
     EDGE_FLOOR,
     NEARBY,
@@ -44,6 +45,7 @@ from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.laws.law import follows_path
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.line.fields import at_nodes
+from semianalytic.scene.units import unit
 
 NOTHING = 1e-9
 """Part of the slip, or of the strength, below which a gap or a traction counts as none, and of what
@@ -155,7 +157,8 @@ class LineCase(Case):
 
     def unit(self, name: str) -> tuple[float, str, str]:
         """Return divisor and unit of a field, and the unit of its mean."""
-        return 1.0, UNITS[name], UNITS[name]
+        own = unit(UNITS[name], self.run.scene.units)
+        return 1.0, own, own
 
     def nothing(self, kind: str) -> float:
         """Return the mean of a kind of field up to which it is not compared.
@@ -193,8 +196,8 @@ class LineCase(Case):
         return f"x = {self.seen.x[node]:.4g}, t = {self.seen.t[level]:.4g}"
 
     def remedy(self, resolution: int) -> str:
-        """Return the nodes that would resolve a row."""
-        return f"raise `mesh_nodes`, to {in_fours(resolution)} for one"
+        """Return the nodes that may resolve a row, in words."""
+        return RESOLVED_WITH.format(f"`mesh_nodes` {in_fours(resolution)}")
 
     def _mean(self, name: str, history: InterfaceHistory) -> float:
         values = getattr(history, name)[:, self.compared(name, 0)]
@@ -240,7 +243,7 @@ class LineCase(Case):
         given: Any = {
             "floor": EDGE_FLOOR * size,
             "unseen": RATE_WINDOW / 2 * size,
-            "unit": "length",
+            "unit": self.unit("slip")[1],
         }
 
         def edge(zone: SlipInterval, end: str, history: InterfaceHistory) -> float | None:

@@ -15,6 +15,7 @@ from compare.comparison.interfaces.case import UNITS, LineCase, line_case
 from compare.comparison.judgement import Judgement
 from compare.comparison.judging import DIVERGES, LEAST_ERROR
 from compare.comparison.measures import ROUNDING
+from compare.comparison.mesh_choice import RESOLVED_WITH
 from compare.comparison.rows import Row
 from fem import Specimen
 from fem.lines import LineSimulation
@@ -67,7 +68,13 @@ def compare_specimen(
         checked_size("compare: end_time", end_time),
         checked_size("compare: size", size),
     )
-    x, _ = specimen.nodes(4 * size)
+    try:
+        x, _ = specimen.nodes(4 * size)
+    except SceneError as refused:
+        reason = str(refused).removeprefix("simulate: ")
+        raise SceneError(
+            f"compare: its coarsest mesh has squares of 4 times {size:g}, and {reason}"
+        ) from None
     on = x[specimen.shares(x)[0] > 0]
     fastest = max(block.material.longitudinal_speed for block in specimen.blocks)
     until = min(float(specimen.felt(on).min()) - EARLY * 4 * size / fastest, end_time)
@@ -99,14 +106,13 @@ class SpecimenCase(LineCase):
     @property
     def later(self) -> str:
         """Words on the comparison after the time until which the run is compared; "" without."""
-        end = self.checked.t[-1]
-        said = f"; half-planes until t = {self.until:.4g}, when the ends of the bodies are felt"
-        return f"{said}, then meshes alone until {end:.4g}" if end > self.until else said
+        end, said = self.checked.t[-1], ", when the ends of the bodies are felt"
+        return f"{said}, then meshes with one another until {end:.4g}" if end > self.until else said
 
     def remedy(self, resolution: int) -> str:
-        """Return the squares that would resolve a row."""
-        nodes = len(self.seen.x)
-        return f"lower `size`, to {self.simulation.element_size * nodes / resolution:.3g} for one"
+        """Return the squares that may resolve a row, in words."""
+        size = self.simulation.element_size * len(self.seen.x) / resolution
+        return RESOLVED_WITH.format(f"`size` {size:.3g}")
 
     def rows(self) -> Iterator[Row]:
         """Rows against the half-planes, and of the meshes alone at later times."""
@@ -142,7 +148,7 @@ class SpecimenCase(LineCase):
             simulated=size,
             difference=changes[0],
             bar=changes[1] / 2**LEAST_ORDER + 3 * LEAST_ERROR,
-            unit=UNITS[name],
+            unit=self.unit(name)[1],
             relative=True,
             order=error.order,
             obstacle="" if error.converges else DIVERGES,

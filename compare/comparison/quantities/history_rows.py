@@ -155,7 +155,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
     for name, sense in (("forward slip", 1), ("reverse slip", -1), ("open", APART)):
         row = value_row(
             case,
-            f"{name}, part of map",
+            f"{name}, share of nodes and times",
             "sense",
             partial(_part, case, sense),
             floor=floor,
@@ -181,7 +181,8 @@ def sense_rows(case: Case) -> Iterator[Row]:
         differs = _senses(case, run)[:, : len(there.x)] != _senses(case, there)
         return float(differs[behind].sum() / behind.sum())
 
-    row = Row("other sense, part of map", "sense", None, 0.0, differing, differing, None)
+    name = "other sense, share of nodes and times"
+    row = Row(name, "sense", None, 0.0, differing, differing, None)
     error = error_bar(changes, floor) if changes else None
     yield judged(case, row, error, before, unseen)
 

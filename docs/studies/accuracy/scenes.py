@@ -31,16 +31,16 @@ RESOLUTION = 100
 _ZONE = "zone 1, outer edge"
 _TOTALS = "slip, L1; frictional work, L1"
 _TWO_ZONES = f"{_ZONE}; zone 2, inner edge; zone 2, outer edge"
-_REVERSING = "reverse slip, part of map; onset at 0.50 c_t T; accumulated |slip|, L1"
+_REVERSING = "reverse slip, share of nodes and times; onset at 0.50 c_t T; accumulated |slip|, L1"
 QUANTITIES = {
     "preloaded": f"{_TWO_ZONES}; frictional work, L1",
     "remote-shock": _TWO_ZONES,
     "auxetic": f"{_TWO_ZONES}; zone 3, inner edge; zone 3, outer edge; "
-    "reverse slip, part of map; reversal at 0.75 c_t T",
+    "reverse slip, share of nodes and times; reversal at 0.75 c_t T",
     "ramp": "onset at 0.25 c_t T; onset at 0.50 c_t T; slip, L1",
     "unload": _REVERSING,
     "pulse": _REVERSING,
-    "harmonic": "forward slip, part of map; reverse slip, part of map; "
+    "harmonic": "forward slip, share of nodes and times; reverse slip, part of map; "
     "work in cycle 1; work in cycle 2; work in cycle 3",
     "pressure-drop": f"zone 1, inner edge; {_ZONE}; onset at 0.75 c_t T; frictional work, L1",
     "viscous": f"{_ZONE}; {_TOTALS}",
@@ -89,7 +89,7 @@ def summary(scene: str, resolution: int) -> Row:
         return number(getattr(rows[name], what) if name in rows else None)
 
     profile = "slip rate, L1" if named.scene.is_self_similar else over_time
-    sense = "other sense, part of map"
+    sense = "other sense, share of nodes and times"
     return {
         "scene": scene,
         "summary": named.summary,

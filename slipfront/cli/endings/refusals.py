@@ -69,7 +69,7 @@ def specimen_settings(settings: Mapping[str, Any], others: Mapping[str, Any]) ->
     """Return the settings of a simulation of a specimen; raise SceneError for other options."""
     known = ("end_time", "size", "damping", "step_ratio")
     others = {**{name: n for name, n in settings.items() if name not in known}, **others}
-    refuse_given(others, "is for scenes; leave it out for a specimen, or change its file")
+    refuse_given(others, "is for scenes; a specimen takes --size, or a change of its file")
     return {name: settings[name] for name in known if settings.get(name) is not None}
 
 

@@ -124,7 +124,8 @@ def test_a_gap_out_of_reach_is_said_with_what_it_would_take():
         assert choice.resolution < gap.resolution == choice.needed
         assert NARROW <= gap.resolution * gap_width(solution) < NARROW * 1.01
         assert (gap.seconds, gap.memory) > (choice.seconds, choice.memory)
-        just = choose_mesh(solution, scene, resolution=gap.resolution)
+        whole = STRIDE * math.ceil(gap.resolution / STRIDE)
+        just = choose_mesh(solution, scene, resolution=whole)
         assert (just.seconds, just.memory) == (gap.seconds, gap.memory)
         assert just.unresolved == ()
         assert gap.meshable
@@ -303,12 +304,13 @@ def test_the_remedy_of_a_row_costs_what_the_choice_says(pace):
     solution, scene = gap_scene(0.15)
     run = simulate(scene, resolution=8)
     *_, gap = choose_mesh(solution, scene, resolution=8).unresolved
-    taken = toll(gap.seconds, gap.memory)
-    expected = f"resolution {gap.resolution}, h = 6.7e-05: {taken}, more than a mesh may have"
     remedy = side_by_side(run, run).remedy
-    assert remedy(gap.resolution) == expected
-    near = 4 * run.resolution
-    assert remedy(near).endswith(toll(*Prices(scene, None).here(near)))
+    expected = f"it would take `resolution` {gap.resolution}, more than a mesh may have"
+    assert remedy(gap.resolution) == gap.advice == expected
+    for asked, advised in ((32, "100, the default"), (100, "100, the default"), (118, "120")):
+        taken = duration(Prices(scene, None).here(int(advised[:3]))[0])
+        expected = f"may be resolved with `resolution` {advised}, in about {taken}"
+        assert remedy(asked) == f"{expected} without snapshots"
 
 
 @pytest.mark.parametrize("snapshots", [False, True])

@@ -82,7 +82,7 @@ def test_an_unresolved_row_says_in_the_document_why_and_what_would_do(thin_gap):
     assert edge["verdict"] == "unresolved"
     assert "elements" in edge["obstacle"]
     assert edge["resolution"] > 1000
-    assert edge["remedy"].startswith(f"resolution {edge['resolution']}, h = ")
+    assert edge["remedy"].startswith(f"it would take `resolution` {edge['resolution']}, ")
     assert all(row["remedy"] == "" for row in rows.values() if row["verdict"] != "unresolved")
 
 

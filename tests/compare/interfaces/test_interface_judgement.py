@@ -248,7 +248,7 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
     assert main([*COMMON, "--mesh-nodes", "256"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "Verdict: agrees" in shown
-    assert "finite elements, 256 along the interface" in shown
+    assert "finite elements of 256 nodes along the interface" in shown
     document = printed([*COMMON, "--mesh-nodes", "256"])
     assert document["status"] == "agrees"
     assert [mesh["nodes"] for mesh in document["comparison"]["meshes"]] == [256, 128, 64]
@@ -258,8 +258,8 @@ def test_the_command_compares(judged, capsys, printed, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--resolution", "128"], "is for scenes with a slot; leave it out"),
-        (["--from", "a"], "is for scenes with a slot; leave it out"),
+        (["--resolution", "128"], "is for scenes with a slot; rock-on-gouge takes"),
+        (["--from", "a"], "is for scenes with a slot; rock-on-gouge takes"),
         (["--mesh-nodes", "100"], "--mesh-nodes must be a multiple of 4"),
     ],
 )

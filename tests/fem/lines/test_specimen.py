@@ -354,6 +354,7 @@ def test_a_specimen_whose_ends_are_felt_at_once_is_compared_with_no_half_plane()
         ("simulate pmma-specimen --resolution 9", "is for scenes"),
         ("compare pmma-specimen --nodes 64", "is for scenes"),
         ("simulate preloaded --size 1", "is for specimens"),
+        ("compare pmma-specimen --size 0.0006", "its coarsest mesh has squares of 4 times 0.0006"),
     ],
 )
 def test_commands_that_take_no_specimen_say_so(line, said, refused):

@@ -11,9 +11,10 @@ import pytest
 
 import compare.comparison.prediction
 from compare.comparison.judgement import Judgement
+from compare.comparison.judging import BY_LITTLE
 from compare.comparison.rows import UNLIKE, Row
 from slipfront.cli.commands import main
-from slipfront.cli.terminal import print_judgement, verdict_lines
+from slipfront.cli.terminal import print_judgement, unresolved_lines, verdict_lines
 from tests.slipfront.cli.test_cli import unconverged
 
 COMPARISON_FIGURES = {f"{name}.png" for name in ("interface", "fronts", "sense", "history")}
@@ -70,11 +71,38 @@ def test_the_verdict_says_first_what_is_quoted_of_a_comparison():
     """Bars above a tenth of what is compared stand beside the word; what is not known is said."""
     assert list(verdict_lines(judgement(*ROWS))) == [
         "Verdict: agrees within ± 25 % of largest gap (rows: 5 agree, 2 unresolved).",
-        "Difference ± error bar: slip 3.0 ± 4.0 %, slip rate 1.0 ± 2.0 % (unresolved), "
-        "gap 0.10 ± 0.50, edges 0.0020 ± 0.010 c_t.",
+        "Difference ± error bar of what decides: slip 3.0 ± 4.0 %, slip rate 1.0 ± 2.0 % "
+        "(unresolved), gap 0.10 ± 0.50, edges 0.0020 ± 0.010 c_t.",
     ]
     worse = replace(ROWS[0], difference=0.2)
     assert next(verdict_lines(judgement(worse, *ROWS[1:]))).startswith("Verdict: differs (")
+
+
+def test_what_is_little_beyond_its_bar_is_said_and_leaves_the_verdict_open():
+    beyond = replace(ROWS[0], difference=-0.0403, obstacle=BY_LITTLE.format(1.4))
+    found = judgement(beyond, *ROWS[1:])
+    assert "slip 4.030 ± 4.000 % (beyond its bar), " in found.quoted
+    assert next(reasons(found)) == ("Unresolved, which leaves the verdict open:", "slip, L1")
+
+
+def reasons(found):
+    """Names of unresolved rows, each below its heading."""
+    heading = ""
+    for line in unresolved_lines(found):
+        if line.startswith("Unresolved"):
+            heading = line
+        else:
+            yield heading, line.strip(" ·").split(":")[0]
+
+
+def test_rows_that_decide_nothing_leave_no_verdict_open():
+    """The deciding rows of an open verdict are said by themselves, the others after them."""
+    without = "Unresolved, without effect on the verdict:"
+    assert [*reasons(judgement(*ROWS))] == [(without, "slip rate, L1"), (without, "front")]
+    open_ = "Unresolved, which leaves the verdict open:"
+    found = judgement(ROWS[1], *ROWS[3:])
+    assert found.verdict == "unresolved"
+    assert [*reasons(found)] == [(open_, "slip rate, L1"), (without, "front")]
 
 
 def test_meshes_that_are_not_alike_leave_a_comparison_unresolved():

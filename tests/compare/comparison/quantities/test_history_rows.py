@@ -37,9 +37,9 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys, request):
     assert report["semianalytic"] is None
     rows = {row["name"]: row for row in report["rows"]}
     assert "arrival" not in {row["kind"] for row in report["rows"]}
-    assert rows["other sense, part of map"]["difference"] < 0.06
+    assert rows["other sense, share of nodes and times"]["difference"] < 0.06
     assert rows["accumulated |slip|, L1"]["difference"] < 0.05
-    assert ("reverse slip, part of map" in rows) == (name != "ramp")
+    assert ("reverse slip, share of nodes and times" in rows) == (name != "ramp")
     if name == "harmonic":
         assert rows["work in cycle 3"]["at_nodes"] > 0
         assert any(row.startswith("reversal at") for row in rows)
