@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from itertools import product
 from os import PathLike
@@ -164,8 +165,8 @@ def _kind_of(load: Any) -> str:
         return f"{len(load)} loads"
     if hasattr(load, "angle"):
         return f"{load.kind} wave at {load.angle:.3g}°"
-    speed = f" at {load.speed:.4g}" if hasattr(load, "speed") else ""
-    return type(load).__name__ + speed
+    speed = f" at speed {load.speed:.4g}" if hasattr(load, "speed") else ""
+    return re.sub(r"\B(?=[A-Z])", " ", type(load).__name__).lower() + speed  # "moving load"
 
 
 def shown_number(value: float, unit: tuple[float, str]) -> str:

@@ -12,6 +12,7 @@ from rich.console import Console
 
 from compare.output.progress import progress_bar
 from docs.studies.accuracy import fem as study
+from docs.studies.accuracy import scenes
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
 from slipfront.cli import commands as cli
@@ -33,6 +34,15 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
     assert errors[1] < 3e-3
     assert errors[2] < 1e-3
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
+
+
+def test_figures_of_named_scenes_are_drawn(tmp_path, monkeypatch):
+    one_of_each = {figure: scene for scene, figure in scenes.FIGURES.items()}
+    monkeypatch.setattr(scenes, "FIGURES", {scene: name for name, scene in one_of_each.items()})
+    monkeypatch.setattr(scenes, "RESOLUTION", 16)
+    scenes.write_figures(tmp_path)
+    drawn = {path.name for path in tmp_path.iterdir()}
+    assert drawn == {f"scene_{scene}.png" for scene in one_of_each.values()}
 
 
 def test_command_keeps_checkpoints_by_seconds(tmp_path, monkeypatch):

@@ -59,10 +59,11 @@ TOTALS = ("slip", "accumulated |slip|", "frictional work", "shear traction", "pr
 """Rows of the summary in addition to the slip rate."""
 
 FIGURES = {
-    **dict.fromkeys(("remote-shock", "viscous", "antiplane", "lift-off-shear"), "slip_rate"),
+    **dict.fromkeys(
+        ("remote-shock", "stuck", "viscous", "antiplane", "lift-off-shear"), "interface"
+    ),
     **dict.fromkeys(("auxetic", "ramp", "unload", "pulse", "harmonic", "pressure-drop"), "sense"),
     **dict.fromkeys(("lift-off", "tap"), "gap"),
-    "stuck": "tractions",
 }
 """Figure of `slipfront compare SCENE` that docs/scenes.md shows for each scene."""
 
