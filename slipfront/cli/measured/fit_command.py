@@ -211,7 +211,12 @@ def _rupture_table(found: Fit) -> PrintedTable:
     table = PrintedTable(numbers=headings, title="Rupture")
     for place, x in enumerate(found.quoted.x):
         pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
-        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
+        # where stress does not drop, or friction is constant, these two say nothing
+        least = (-np.inf if name in {"front_speed", "strength_ratio"} else 0.0 for name in QUOTED)
+        cells = [
+            f"{value:.3g} ± {error:.1g}" if value > floor else "-"
+            for (value, error), floor in zip(pairs, least, strict=True)
+        ]
         table.add_row(f"{x:.4g}", *cells)
     return table
 
