@@ -40,6 +40,8 @@ NAME_SIZE = (0.12, 0.04)
 """Room of the name of a front, over the width and the height of a panel."""
 NAME_SHIFTS = (0.0, 0.06, -0.06, 0.12, -0.12)
 """Places of a name along its front, over its length, from the one it asks for."""
+BEYOND = {"size": "max", "sign": "both", "light": "neither"}
+"""Ends of the colour bar of each kind of quantity beyond which values lie."""
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
 INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORANGE, "#333333")}
 """Colour of the fronts over each kind of quantity, and of their outline."""
@@ -86,6 +88,7 @@ class FieldPicture:
             location="right" if tall > WIDE else "bottom",
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
+            extend=BEYOND[quantity.kind],
         )
         layout = self.figure.get_layout_engine()
         assert layout is not None

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import SubFigure
 
-PANELS = 5
+PANELS = 4
 """Largest number of gauges or lines of gauges that are shown."""
 TIMES = 4
 """Largest number of times at which a line of gauges is shown."""
@@ -77,10 +77,10 @@ def fit_figure(fit: Fit) -> Figure:
     and 90 % of the probability by the covariance.  Correlations stand above it.
     """
     panels = list(_panels(fit))
-    height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
+    height = max(1.5 * len(panels) + 1.0, 1.6 * len(fit.parameters) + 1.4, 3.6)
     what = "fit of a scene on a line" if fit.scene.on_line else fit.scene
-    figure = style.describe(style.new_figure(12.5, height), what)
-    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
+    figure = style.describe(style.new_figure(9.0, height), what)
+    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(5, 4), squeeze=False))
     _draw_records(left, fit, panels)
     _draw_parameters(right, fit)
     return figure
@@ -164,7 +164,8 @@ def _over_place(
 
 def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None:
     axes = figure.subplots(len(panels), 2, squeeze=False, width_ratios=(2, 1))
-    for (left, right), panel in zip(axes, panels, strict=True):
+    below = [*(panel.along for panel in panels[1:]), ""]
+    for (left, right), panel, following in zip(axes, panels, below, strict=True):
         for curve, colour in zip(panel.curves, style.cycle(), strict=False):
             left.plot(curve.at, curve.recorded, ".", color=colour, markersize=3.5, alpha=0.7)
             left.plot(curve.fine, curve.fitted, color=colour, linewidth=1.2, label=curve.label)
@@ -177,17 +178,24 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
                 level, color=style.ink(), linewidth=0.6, linestyle="-" if not level else "--"
             )
         left.set_title(panel.title, fontsize=style.SMALL)
-        right.set_title("residual / noise", fontsize=style.SMALL)
+        if panel is panels[0]:
+            right.set_title("residual / noise", fontsize=style.SMALL)
         most = max(float(np.abs(curve.at).max()) for curve in panel.curves)
         factor, name = _shown(fit, "time" if panel.along == "t" else "length", most)
         _in_units(left.yaxis, panel.unit[0])
         for side in (left, right):
-            side.set_xlabel(f"{panel.along} [{name}]", fontsize=style.SMALL)
+            if following != panel.along:
+                side.set_xlabel(f"{panel.along} [{name}]", fontsize=style.SMALL)
             side.tick_params(labelsize=style.SMALL)
             side.locator_params(axis="x", nbins=5)
             _in_units(side.xaxis, factor)
         if panel.curves[0].label:
             left.legend(fontsize=style.SMALL)
+    handles = [
+        style.marker_handle("dots: records", style.ink()),
+        style.line_handle("lines: fit, with two standard errors", style.ink()),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=style.SMALL)
 
 
 def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
@@ -218,7 +226,7 @@ def _draw_parameters(figure: SubFigure, fit: Fit) -> None:
                 panel.set_xlabel(labels[column], fontsize=style.SMALL)
             if column == 0 and row:
                 panel.set_ylabel(labels[row], fontsize=style.SMALL)
-    handles = [style.line_handle("50 and 90 % by the covariance", style.PREDICTION)]
+    handles = [style.line_handle("50 and 90 %", style.PREDICTION)]
     if len(fit.minima) > 1:
         handles.append(style.marker_handle("other minima", style.VERMILLION, "x"))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=style.SMALL)
@@ -250,9 +258,10 @@ def _draw_density(panel: Axes, fit: Fit, number: int, limits: _Ends, of: _Unit) 
         panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=style.SMALL)
     panel.set(xlim=limits, yticks=[])
     words = fit.error_in_words(number, of[0])
+    name = f" {of[1]}" if of[1] != "1" and fit.scene.units else ""
+    value = f"{fit.values[number] * of[0]:.4g}"
     # Two sides need a line of their own, or the title is wider than its panel.
-    words = f"{fit.values[number] * of[0]:.4g}{' ' if words.startswith('±') else chr(10)}{words}"
-    words += f" {of[1]}" if of[1] != "1" and fit.scene.units else ""
+    words = f"{value} {words}{name}" if words.startswith("±") else f"{value}{name}\n{words}"
     panel.set_title(words, fontsize=style.SMALL)
 
 

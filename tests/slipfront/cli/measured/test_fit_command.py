@@ -10,6 +10,7 @@ from faults import ROOT
 
 from docs.studies import samples
 from semianalytic import find, solve
+from semianalytic.inversion.quoted import PLACES
 from slipfront.fits import read_gauges
 from tests.slipfront.surveys.test_interface_surveys import FAULT
 
@@ -37,6 +38,8 @@ def test_a_fit_is_shown_drawn_and_written(records, tmp_path, shown):
     said = shown(f"fit {records} {line}").out
     assert "Fit: converged" in said
     assert "misfits are as large as the noise" in said
+    # stress before the load is 0 and friction constant: no stress drop, fracture energy or S
+    assert sum(row.count("- │") == 3 for row in said.splitlines()) == PLACES
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     found = json.loads((tmp_path / "fit.json").read_text())
     gain = found["parameters"]["gain"]
