@@ -19,6 +19,7 @@ from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.derivative import OpenDerivative, ZoneDerivative
@@ -28,6 +29,7 @@ _TOLERANCE = 1e-11
 """Tolerance of the rule of neighbours."""
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class PairDerivative:
     """Derivatives of a solved pair with respect to one parameter, all others held.

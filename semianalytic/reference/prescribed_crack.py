@@ -23,6 +23,7 @@ from semianalytic.halfplane.rayleigh import (
     rayleigh_factors,
 )
 from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
@@ -31,6 +32,7 @@ _NEAREST = 1e-13
 """Least distance from the tip over its position at which tractions are evaluated."""
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class PrescribedCrack:
     """A crack |x| < speed * t with a uniform stress drop, in an infinite line.

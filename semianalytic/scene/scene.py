@@ -19,6 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import among, check_keys, checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
@@ -57,6 +58,7 @@ RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 _LOADS = (Tractions, IncidentWave, MovingLoad, LineLoad, InterfaceLoad, FrontLoad, tuple)
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True)
 class Scene(AlongLine):

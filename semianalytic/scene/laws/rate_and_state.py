@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import among, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.delay import DelayedLaw
 from semianalytic.scene.laws.law import not_negative, positive
@@ -75,7 +75,7 @@ class RateAndState(DelayedLaw):
         owner = "RateAndState"
         positive(owner, a=self.a, v0=self.v0, distance=self.distance)
         not_negative(owner, b=self.b, f0=self.f0)
-        if self.evolution not in ("ageing", "slip"):
+        if not among(self.evolution, ("ageing", "slip")):
             raise SceneError(
                 f"{owner}: evolution must be ageing or slip, got {shown(self.evolution)}."
             )
@@ -100,7 +100,9 @@ class RateAndState(DelayedLaw):
             log = np.log(speed / (2 * self.v0)) + self._exponent(state)
         return np.asarray(self.a * pressure * _arcsinh_exp(log))
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+    def slip_speed(
+        self, stopping: Array, pressure: Array, impedance: Array | float, state: Array
+    ) -> Array:
         """Return the speed of balance; see `Law.slip_speed`.
 
         With V = V0 (e^(x - E) - e^(-x - E)) the balance a p x + impedance V = stopping is convex

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import among, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.delay import DelayedLaw, LinearLaw
 from semianalytic.scene.laws.law import not_negative, positive
@@ -66,7 +66,7 @@ class SlipWeakening(LinearLaw):
         owner = "SlipWeakening"
         not_negative(owner, static=self.static, dynamic=self.dynamic, cohesion=self.cohesion)
         positive(owner, distance=self.distance)
-        if self.shape not in ("linear", "exponential"):
+        if not among(self.shape, ("linear", "exponential")):
             raise SceneError(
                 f"{owner}: shape must be linear or exponential, got {shown(self.shape)}."
             )
@@ -187,7 +187,9 @@ class RateWeakening(DelayedLaw):
         friction = self.dynamic + (self.static - self.dynamic) / (1 + speed / self.rate)
         return friction * pressure + self.cohesion
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+    def slip_speed(
+        self, stopping: Array, pressure: Array, impedance: Array | float, state: Array
+    ) -> Array:
         """Return the speed of balance; see `Law.slip_speed`."""
         # Multiplied by (V + rate), the balance is a quadratic in w = impedance V.
         excess = stopping - self.static * pressure - self.cohesion

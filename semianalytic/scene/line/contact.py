@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
@@ -23,6 +24,7 @@ FITS = 1e-3
 """Distance of an end over the node distance that changes slip by a thousandth of one node."""
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Contact:
     """The parts of the line y = 0 on which the bodies touch; the rest is open slot.
@@ -190,6 +192,7 @@ class Contact:
         return min(near, key=misplaced)
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class Adhesion(Alike):
     """Tension that a contact carries before it opens.

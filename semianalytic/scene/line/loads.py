@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import among, checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
@@ -20,6 +21,7 @@ from semianalytic.scene.quantities import with_quantities
 Array = NDArray[np.float64]
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True, eq=False)
 class InterfaceLoad(Alike):
@@ -86,7 +88,7 @@ class InterfaceLoad(Alike):
         given = getattr(self, name)
         return callable(given) or float(given) != 0
 
-    def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
+    def traction(self, x: ArrayLike, t: float, after: bool = False, of: str = "shear") -> Array:
         """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
 
         At a jump of the history this is the value before it, or the one `after` it.
@@ -127,6 +129,7 @@ class InterfaceLoad(Alike):
         return []
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True, eq=False)
 class FrontLoad(Alike):

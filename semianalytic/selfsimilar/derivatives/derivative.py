@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivatives.error import difference_error
@@ -78,6 +79,7 @@ class OpenDerivative:
     outer: float
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class Derivative:
     """Derivatives of a solution with respect to one parameter of its scene, all others held.
