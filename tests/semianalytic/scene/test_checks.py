@@ -243,6 +243,17 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
         ),
         (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise takes"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
+        (
+            lambda: slipfront.survey(PRELOADED, client="x", friction=[0.1]),
+            "client must be one of dask.distributed, got 'x'.",
+        ),
+        (lambda: slipfront.survey(PRELOADED, together=3, friction=[0.1]), "must be True or False"),
+        (lambda: slipfront.solve(PRELOADED).animate("a.gif", []), "animate: t must be one or more"),
+        (lambda: slipfront.simulate(PRELOADED, resume=[1, 2]), "resume must be True or False"),
+        (
+            lambda: slipfront.solve("ramp", nodes=16, estimate=None),
+            "estimate must be True or False",
+        ),
         (lambda: unit_scene(lower_material="steel"), "scene: lower_material must be a Material"),
         (lambda: unit_scene(step=3), "no parameter 'step'; it has material, friction, base, load"),
     ],
