@@ -21,7 +21,7 @@ def with_companions(
     simulation: Simulation,
     progress: Callable[[int, int], None] | None = None,
     *,
-    snapshots: Path | None = None,
+    snapshots: str | Path | None = None,
 ) -> Simulation:
     """Return the simulation with companions, the same run at twice and four times its element size.
 
@@ -35,7 +35,7 @@ def with_companions(
         The simulation; its own numbers are not changed.
     progress : callable, optional
         Called with (step, steps) after each step of each companion.
-    snapshots : Path, optional
+    snapshots : path, optional
         Folder of the snapshots of the simulation, into whose `companion_folder` each companion
         writes its last frame; none are written unless given.
 
@@ -59,7 +59,7 @@ def with_companions(
     chain = [simulation]
     for number in range(1, COMPANIONS + 1):
         resolution = round(simulation.resolution / 2**number)
-        folder = snapshots and companion_folder(snapshots, number)
+        folder = None if snapshots is None else companion_folder(Path(snapshots), number)
         coarser = chain[-1].companion or _coarser(chain[-1], resolution, folder, progress)
         if coarser is None:
             break

@@ -227,8 +227,8 @@ def make_plan(
             f"simulate: settings must be fem.Settings, got {shown(settings)}; "
             "give single options by name, as in resolution=50."
         )
-    settings = replace(settings, **options)
     scene = checked_scene("simulate", scene)
+    settings = replace(settings, **options)
     if end_time is None:
         end_time = scene.run.get("end_time", 1 / scene.material.shear_speed)
     return Plan(scene, end_time, settings, full)

@@ -83,6 +83,8 @@ def on_cluster(
 
 def check_workers(client: Any, patience: float = PATIENCE) -> None:
     """Raise ComputationError unless there are workers, and all have this version of slipfront."""
+    if not hasattr(client, "wait_for_workers"):
+        raise SceneError(f"client must be one of dask.distributed, got {shown(client)}.")
     own = version("slipfront")
     try:
         client.wait_for_workers(1, timeout=patience)

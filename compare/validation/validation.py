@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
@@ -214,7 +214,7 @@ def _spacings(
     """Spacings in units of the scene."""
     if spacing is None:
         return [None] * len(runs)
-    given = [spacing] if isinstance(spacing, int | float) else list(spacing)
+    given = list(spacing) if isinstance(spacing, Iterable) else [spacing]
     if len(given) != len(runs):
         raise SceneError(
             f"validate: there are {len(runs)} runs and {len(given)} spacings; give one for each."

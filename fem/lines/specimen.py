@@ -19,6 +19,8 @@ from fem.lines.gauges import Gauges
 from fem.lines.line import Line
 from fem.lines.march import DAMPING, SAMPLES, STEP_RATIO, LineSimulation, Progress, marched
 from fem.lines.statics import condensed, contact_forces
+from fem.settings import Settings
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import (
     check_fields,
@@ -42,6 +44,7 @@ WHOLE = 1e-6
 """Part of a square by which ends of blocks may miss the grid."""
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Block:
     """A rectangular block of a specimen, on one side of y = 0.
@@ -101,6 +104,8 @@ class Block:
                 raise SceneError(
                     f"block: tractions act on far_side, left_side or right_side, not {shown(name)}."
                 )
+            if not isinstance(traction, Tractions):
+                raise SceneError(f"block: {name} bears Tractions, got {shown(traction)}.")
             kind = getattr(self, name)
             across, along, _ = SIDES[kind]
             if (across and traction.pressure) or (along and traction.shear):
@@ -114,6 +119,7 @@ class Block:
         return {"far": self.far_side, "left": self.left_side, "right": self.right_side}
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Specimen:
     """Two blocks that meet on y = 0, for `simulate`.
@@ -209,6 +215,7 @@ class Specimen:
         SceneError
             If the blocks do not fit the squares, or would fall apart under their preloads.
         """
+        Settings(damping=damping, step_ratio=step_ratio)  # refuses what is out of range
         x, meshed = self.meshed(size, damping)
         size = meshed[0].size
         shares = self.shares(x)

@@ -18,6 +18,7 @@ from semianalytic.dissimilar_slot.densities.profile import GAP, NORMAL, OPENING,
 from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.dissimilar_slot.neighbours import Member, Varied, border, neighbours
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import SceneError
@@ -29,6 +30,7 @@ _TOLERANCE = 1e-11
 """Tolerance of the rule of neighbours."""
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class PairDerivative:
     """Derivatives of a solved pair with respect to one parameter, all others held.

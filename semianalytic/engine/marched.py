@@ -270,7 +270,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         after = np.searchsorted(first, last)
         return float(np.minimum(last - first[after - 1], first[after] - last).max()) / time
 
-    def at(self, values: Array, x: Any) -> Array:
+    def at(self, values: Array, x: ArrayLike) -> Array:
         """Return a field of the nodes (..., n) at positions x (k,) of the contact, (..., k).
 
         It is linear between nodes that touch, and nan where the bodies do not touch and beyond the

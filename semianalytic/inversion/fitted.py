@@ -15,13 +15,14 @@ from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.results.in_words import html_table
 from semianalytic.results.reading import Measured
-from semianalytic.scene.arguments import checking
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The parameters that fit gauge records best, with their uncertainty.
@@ -159,7 +160,6 @@ class Fit:
         above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
         return float(above[0]) if above.size else np.inf
 
-    @checking
     def log_density(self, values: ArrayLike) -> float:
         """Return the logarithm of the posterior density of the parameters, up to a constant.
 
@@ -207,7 +207,6 @@ class Fit:
         like = Samples((_silent(gauge, t),))
         return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
 
-    @checking
     def forecast(self, t: ArrayLike | None = None) -> tuple[Measured, ...]:
         """Return what each gauge would record without noise, with the errors of the fit.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import check_fields, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 
@@ -12,6 +13,7 @@ _SPREAD = 3.0
 """Number of standard deviations within which a search looks."""
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Normal:
     """A parameter known as `mean` ± `sd`, with a normal density.
@@ -56,6 +58,7 @@ class Normal:
         return -(self.misfit(value)[0] ** 2) / 2
 
 
+@checking_methods
 @dataclass(frozen=True)
 class LogNormal:
     """A positive parameter known within a factor: its logarithm is normal.
@@ -112,6 +115,7 @@ class LogNormal:
         return -(self.misfit(value)[0] ** 2) / 2 - math.log(value)
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Uniform:
     """A parameter that lies between `low` and `high`, with a uniform density.

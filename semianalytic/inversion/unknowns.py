@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from semianalytic.inversion.gauges import Gauge
 from semianalytic.parameters.numbers import numbers_of, spelled, with_numbers
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import GRAZING, OF_FRONT, IncidentWave, MovingLoad
@@ -23,6 +24,7 @@ SETUP = ("t0", "x0", "gain")
 _LONE_GAIN = "gain:"
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Setup:
     """The set-up of gauges: how the times, places and sizes of records relate to the scene.

@@ -16,6 +16,7 @@ from scipy.integrate import quad
 
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.scene.arrays import Array
+from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -78,6 +79,8 @@ def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> fl
     strength_ratio : float
         chi_b, friction f P_b over the step Q_0 of shear.
     """
+    owner = "edge_speed_under_shear_step: strength_ratio"
+    checked_number(owner, strength_ratio, "be 0 or more", lambda given: given >= 0)
     return material.shear_speed / ((1 - material.poisson_ratio) * (1 + strength_ratio) ** 2)
 
 

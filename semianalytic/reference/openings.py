@@ -22,6 +22,7 @@ from semianalytic.reference.closed_forms import (
     relative_rate,
 )
 from semianalytic.scene.arrays import Array
+from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -39,6 +40,8 @@ def edge_speed_of_opening(material: Material, pressure_ratio: float) -> float:
     pressure_ratio : float
         chi_o, base pressure P_b over the extra pressure |P_0|.
     """
+    owner = "edge_speed_of_opening: pressure_ratio"
+    checked_number(owner, pressure_ratio, "be 0 or more", lambda given: given >= 0)
     nu = material.poisson_ratio
     ratio = float(np.sqrt((1 - 2 * nu) / (2 * (1 - nu))))  # of c_t to c_l
     return material.shear_speed * ratio / ((1 - nu) * (1 + pressure_ratio) ** 2)

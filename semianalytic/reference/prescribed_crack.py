@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.imaginary_axis import impedance_on_axis, over_axis
 from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, checked_word
 from semianalytic.scene.errors import SceneError
@@ -26,6 +27,7 @@ _NEAREST = 1e-13
 """Least distance from the tip over its position at which tractions are evaluated."""
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class PrescribedCrack:
     """A crack |x| < speed * t with a uniform stress drop, in an infinite line.

@@ -64,6 +64,8 @@ def animated(answer: Any, path: str | PathLike[str], times: ArrayLike | None) ->
     if path.suffix != ".gif":
         raise SceneError(f"animate: path must end with .gif, got {path.name}.")
     shown = np.linspace(end / 40, end, 40) if times is None else np.atleast_1d(times)
+    if shown.ndim > 1 or not shown.size:
+        raise SceneError(f"animate: t must be one or more times, got an array {shown.shape}.")
     figure, axes = pyplot.subplots(2, sharex=True, layout="constrained")
     figure.suptitle(scene_title(answer.scene), fontsize="small")
     limits = draw_profile(answer, axes, float(np.max(shown)))

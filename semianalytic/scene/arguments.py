@@ -9,44 +9,70 @@ import inspect
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
 from os import fspath
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 
-from semianalytic.scene.checks import plain, shown
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.checks import LARGEST, LARGEST_COUNT, among, plain, shown
+from semianalytic.scene.errors import SceneError, SlipfrontError
 from semianalytic.scene.quantities import Class, in_units_of, is_quantity, made_in_si
 from semianalytic.scene.units import ARGUMENTS, SI
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+_BARE = (TypeError, ValueError, ArithmeticError, AttributeError, LookupError)
+"""Errors of Python that arguments of a wrong type end in."""
+
+
 def _is_number(value: object) -> bool:
-    return isinstance(plain(value), Real) and np.ndim(np.asarray(plain(value), dtype=float)) == 0
+    # True is a number to Python; nan compares with nothing
+    number = plain(value)
+    real = isinstance(number, Real) and not isinstance(number, bool)
+    return real and abs(float(number)) <= LARGEST
+
+
+def _is_count(value: object) -> bool:
+    count = plain(value)
+    whole = isinstance(count, Integral) and not isinstance(count, bool)
+    return whole and abs(int(count)) <= LARGEST_COUNT
 
 
 def _is_array(value: Any) -> bool:
     # texts and dates would become numbers; rows of different lengths raise, as in all checks
     kind = np.asarray(value).dtype.kind
-    np.asarray(value, dtype=float)
-    return kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
+    size = np.abs(np.asarray(value, dtype=float))
+    real = kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
+    return real and not bool(np.any((size > LARGEST) & (size < np.inf)))
+
+
+def _is_sized(value: object) -> bool:
+    return isinstance(value, list | tuple | np.ndarray) and np.ndim(value) > 0
 
 
 _Check = tuple[Callable[[Any], bool], str]
 _PATH: _Check = (lambda value: "\0" not in fspath(value), "a path")
 _TYPES: Mapping[str, _Check] = {
-    "float": (_is_number, "a number"),
-    "ArrayLike": (_is_array, "a number or an array of numbers"),
-    "Array": (_is_array, "an array of numbers"),
-    "int": (lambda value: isinstance(plain(value), Integral), "a whole number"),
-    **dict.fromkeys(("str", "Loading"), (lambda value: isinstance(value, str), "a word")),
-    **dict.fromkeys(("Path", "str | Path", "str | PathLike[str]"), _PATH),
+    "float": (_is_number, f"a finite number up to {LARGEST:g}"),
+    **dict.fromkeys(
+        ("ArrayLike", "Array | float"),
+        (_is_array, f"a number or an array of numbers up to {LARGEST:g}"),
+    ),
+    **dict.fromkeys(
+        ("Array", "Sequence[float]", "Sequence[float] | Array"),
+        (lambda value: np.ndim(value) > 0 and _is_array(value), "an array of numbers"),
+    ),
+    "int": (_is_count, f"a whole number up to {LARGEST_COUNT:g}"),
+    "bool": (lambda value: plain(value) in (False, True), "True or False"),
+    "str": (lambda value: isinstance(value, str), "a word"),
+    **dict.fromkeys(("Path", "str | Path", "str | PathLike[str]", "str | os.PathLike[str]"), _PATH),
     "Progress": (callable, "a function"),
 }
 """Condition that arguments of an annotation fulfil, and its name in messages."""
 _CLASSES = (
     *("Material", "Scene", "Marched", "Simulation", "Conventions", "Setup"),
-    *("OneZone", "AlgorithmReading", "Solution"),
+    *("OneZone", "AlgorithmReading", "Solution", "Tractions", "Gauge", "CutPoints"),
+    *("Adhesion", "Block", "Contact", "LoadHistory"),
 )
 _ALIKE: Mapping[str, tuple[Any, str]] = {
     "Mapping": (Mapping, "a mapping"),
@@ -55,30 +81,56 @@ _ALIKE: Mapping[str, tuple[Any, str]] = {
 }
 
 
-def _check_of(kind: str) -> _Check | None:
-    """The check that an annotation asks for; None if it asks for none that is known here."""
+def _check_of(kind: str, names: Mapping[str, Any]) -> _Check | None:
+    """The check that an annotation asks for; None if it asks for none that is known here.
+
+    Words that a `Literal` of the module lists are found among its `names`.
+    """
+    if kind in _TYPES:
+        return _TYPES[kind]
     if kind in _CLASSES:  # by name: this module is imported by theirs
         return lambda value: kind in (base.__name__ for base in type(value).__mro__), f"a {kind}"
     if kind.partition("[")[0] in _ALIKE and not kind.count(" | "):
         alike, name = _ALIKE[kind.partition("[")[0]]
         return lambda value: isinstance(value, alike), name
-    return _TYPES.get(kind)
+    if words := [word for word in get_args(names.get(kind)) if isinstance(word, str)]:
+        return lambda value: among(value, words), " or ".join((", ".join(words[:-1]), words[-1]))
+    return None
 
 
-def checking(function: Function) -> Function:
+def _check_shapes(owner: str, given: Mapping[str, Any]) -> None:
+    """Raise SceneError if arrays that were given, such as positions and times, do not fit."""
+    shapes = {name: np.shape(value) for name, value in given.items() if _is_sized(value)}
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        said = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise SceneError(f"{owner}: shapes must fit one another, got {said}.") from None
+
+
+def checking(function: Function, *, at_once: bool = True) -> Function:
     """Let a function refuse arguments of a wrong type, by its annotations.
 
-    It raises SceneError, "{function}: {argument} must be {what}, got {value}."
+    It does so before it computes, or only once it has failed if not `at_once`: solvers call
+    methods of friction laws at every step, with arguments that are right.
+
+    Raises
+    ------
+    SceneError
+        "{function}: {argument} must be {what}, got {value}."
     """
+    module = getattr(function, "__globals__", {})
     kinds = {
         name: (*check, str(annotation).endswith(" | None"))
         for name, annotation in function.__annotations__.items()
-        if name != "return" and (check := _check_of(str(annotation).removesuffix(" | None")))
+        if name != "return"
+        and (check := _check_of(str(annotation).removesuffix(" | None"), module))
     }
-    names = list(inspect.signature(function).parameters)
+    names, called = list(inspect.signature(function).parameters), function.__name__
+    if called == "__init__":
+        called = function.__qualname__.split(".")[-2].lower()
 
-    @functools.wraps(function)
-    def checked(*args: Any, **given: Any) -> Any:
+    def refuse(args: tuple[Any, ...], given: Mapping[str, Any]) -> None:
         for name, value in (*zip(names, args, strict=False), *given.items()):
             if name not in kinds or (value is None and kinds[name][2]):
                 continue
@@ -88,9 +140,22 @@ def checking(function: Function) -> Function:
             except (TypeError, ValueError, OverflowError):
                 right = False
             if not right:
-                what = f"{function.__name__}: {name}"
-                raise SceneError(f"{what} must be {required}, got {shown(value)}.")
-        return function(*args, **given)
+                raise SceneError(f"{called}: {name} must be {required}, got {shown(value)}.")
+
+    @functools.wraps(function)
+    def checked(*args: Any, **given: Any) -> Any:
+        if at_once:
+            refuse(args, given)
+        try:
+            return function(*args, **given)
+        except SlipfrontError:
+            raise
+        except _BARE as error:
+            if not at_once:
+                refuse(args, given)
+            if "broadcast" in str(error):  # by numpy
+                _check_shapes(called, {**dict(zip(names, args, strict=False)), **given})
+            raise
 
     return checked  # type: ignore[return-value]
 
@@ -132,12 +197,28 @@ def taking_quantities(
     return asked  # type: ignore[return-value]
 
 
+def _in_methods(described: Class, wrap: Callable[[Any], Any]) -> Class:
+    for name, method in list(vars(described).items()):
+        if isinstance(method, classmethod):
+            setattr(described, name, classmethod(checking(method.__func__)))
+        elif not name.startswith("_") and inspect.isfunction(method):
+            setattr(described, name, wrap(method))
+    return described
+
+
 def asked_in_units(answer: Class) -> Class:
     """Let all public methods of the class of an answer take quantities, and check their types."""
-    for name, method in list(vars(answer).items()):
-        if isinstance(method, classmethod):
-            setattr(answer, name, classmethod(checking(method.__func__)))
-        elif not name.startswith("_") and inspect.isfunction(method):
-            asked = ARGUMENTS.keys() & inspect.signature(method).parameters.keys()
-            setattr(answer, name, (taking_quantities if asked else checking)(method))
-    return answer
+
+    def wrap(method: Any) -> Any:
+        asked = ARGUMENTS.keys() & inspect.signature(method).parameters.keys()
+        return (taking_quantities if asked else checking)(method)
+
+    return _in_methods(answer, wrap)
+
+
+def checking_methods(described: Class) -> Class:
+    """Let a class and its methods say which argument of a wrong type made them fail."""
+    checked = functools.partial(checking, at_once=False)
+    if "__init__" in vars(described):
+        described.__init__ = checked(described.__init__)  # type: ignore[misc]
+    return _in_methods(described, checked)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import sys
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING, fields
 from numbers import Integral, Real
@@ -63,7 +64,7 @@ def finite(value: object) -> float | None:
     """Return a finite real number of any type, numpy's scalars included, as float; else None.
 
     Truth values and text do not count as numbers, nor do integers beyond the range of floating
-    point.
+    point.  Numbers below that range count as 0, for their reciprocals are infinite.
     """
     value = plain(value)
     # True is an Integral to Python; as a friction coefficient it is a mistake.
@@ -73,6 +74,8 @@ def finite(value: object) -> float | None:
         number = float(value)
     except OverflowError:
         return None
+    if abs(number) < sys.float_info.min:
+        return 0.0
     return number if math.isfinite(number) else None
 
 

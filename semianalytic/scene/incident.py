@@ -13,8 +13,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import (
     LARGEST,
+    among,
     check_fields,
     checked_kind,
     checked_number,
@@ -32,6 +34,7 @@ GRAZING = 89.9
 """Largest angle [degrees]: half or twice what is left of 90 changes no digit of estimates."""
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True)
 class IncidentWave:
@@ -163,7 +166,7 @@ class IncidentWave:
             name for the amplitude that was given.
         """
         now, slowness = self.tractions(material), self.slowness(material)
-        if by not in ("angle", "poisson_ratio"):
+        if not among(by, ("angle", "poisson_ratio")):
             of_stress = self.velocity is None
             # Tractions are linear in the amplitude, and the front does not depend on it.
             unit = replace(self, stress=1.0) if of_stress else replace(self, velocity=1.0)
@@ -202,6 +205,7 @@ def _scaled(tractions: Tractions, factor: float) -> Tractions:
     return Tractions(factor * tractions.pressure, factor * tractions.shear)
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True)
 class MovingLoad:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.checks import check_fields, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.material import Material
@@ -24,6 +25,7 @@ LOADED = (SLOT, REMOTE)
 """Places of a load: it is taken off the slot faces, or arrives as a plane wave from far away."""
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True)
 class Tractions:
@@ -69,6 +71,7 @@ class Tractions:
         return 0.0
 
 
+@checking_methods
 class LineLoad:
     """A load of its own kind, which says itself where it acts; the base of those below."""
 

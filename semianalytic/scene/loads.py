@@ -10,11 +10,12 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
 from semianalytic.scene.errors import SceneError
@@ -104,6 +105,7 @@ def check_pieces(name: str, history: LoadHistory) -> None:
             )
 
 
+@checking_methods
 class LoadHistory(ABC):
     """A load history f(t), the sum of its pieces.
 
@@ -121,6 +123,10 @@ class LoadHistory(ABC):
     >>> float(history.mean(0.0, 2.0))
     0.5
     """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        checking_methods(cls)
 
     @abstractmethod
     def turn(self, width: float, until: float) -> float:

@@ -19,6 +19,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import (
     among,
@@ -63,6 +64,7 @@ RUN = ("end_time", "nodes", "step_ratio", "every", "frames", "rtol")
 _LOADS = (Tractions, IncidentWave, MovingLoad, LineLoad, InterfaceLoad, FrontLoad, tuple)
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True)
 class Scene(AlongLine):

@@ -22,8 +22,6 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
 
-Subject = Scene | None
-"""Scene that is fitted; None where it is not known yet."""
 _BASES = ("base_shear", "base_pressure", "shear", "pressure")
 
 
@@ -31,7 +29,7 @@ _BASES = ("base_shear", "base_pressure", "shear", "pressure")
 def read_gauges(
     paths: str | Path | Sequence[str | Path],
     noise: Mapping[str, float] | None = None,
-    scene: Subject = None,
+    scene: Scene | None = None,
     gauges: Mapping[str, tuple[Any, ...]] | None = None,
 ) -> tuple[Gauge, ...]:
     """Read gauges from files.
@@ -73,7 +71,7 @@ def read_gauges(
 def gauges_and_notes(
     paths: str | Path | Sequence[str | Path],
     noise: Mapping[str, float] | None = None,
-    scene: Subject = None,
+    scene: Scene | None = None,
     fitted: Collection[str] = (),
     gauges: Mapping[str, tuple[Any, ...]] | None = None,
 ) -> tuple[tuple[Gauge, ...], tuple[str, ...], tuple[str, ...]]:
@@ -122,7 +120,7 @@ def _placed(name: str, given: object) -> Placed:
 def _of_run(
     run: Records,
     noise: Mapping[str, float],
-    scene: Subject,
+    scene: Scene | None,
     fitted: Collection[str],
     notes: dict[str, None],
     counts: Counter[str],
@@ -172,7 +170,7 @@ def _of_run(
             yield _gauge(run.source, quantity, named, (t, values), spread, abs(factor))
 
 
-def _check_faces(run: Records, scene: Subject) -> None:
+def _check_faces(run: Records, scene: Scene | None) -> None:
     """Refuse motion of one face where slip is not twice that."""
     if run.stated.faces and scene is not None and not faces_are_mirrored(scene):
         raise DataFileError(
@@ -181,7 +179,7 @@ def _check_faces(run: Records, scene: Subject) -> None:
         )
 
 
-def _check_changes(run: Records, scene: Subject, fitted: Collection[str]) -> None:
+def _check_changes(run: Records, scene: Scene | None, fitted: Collection[str]) -> None:
     """Refuse changes of tractions where nothing says what they are changes of."""
     if scene is None:
         raise DataFileError(

@@ -26,6 +26,7 @@ from semianalytic.engine.stepping.unilateral import Faces, Parting, Unilateral
 from semianalytic.engine.stepping.window import check_window
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.arrays import Array
+from semianalytic.scene.checks import LARGEST_COUNT
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.laws.law import check_law, check_rate
 from semianalytic.scene.laws.sampling import sampled
@@ -162,6 +163,11 @@ class Stepper(ClosedLine):
     def spans(self, time: float, end_time: float) -> list[Span]:
         """Return the spans between jumps of the loads from a level on until an end time."""
         begin = max((at for at in self.jumps if at <= time), default=0.0)
+        if (end_time - begin) / self.shortest > LARGEST_COUNT:
+            raise SceneError(
+                f"march: end_time = {end_time:g} is more than {LARGEST_COUNT:g} steps of "
+                f"{self.shortest:.3g} away; end earlier."
+            )
         stops = [at for at in self.jumps if time < at < end_time] + [end_time]
         return [Span(*span, self.shortest) for span in pairwise([max(begin, 0.0), *stops])]
 

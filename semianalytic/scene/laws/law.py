@@ -10,7 +10,9 @@ from itertools import pairwise
 from typing import Any, Self, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_size, finite
 from semianalytic.scene.errors import SceneError
@@ -30,6 +32,7 @@ _FOLLOWING = (
 """Methods whose defaults follow from the strength of a law."""
 
 
+@checking_methods
 class Law(Alike, ABC):
     """The friction of an interface: strength at a slip rate, and a state that evolves with slip.
 
@@ -59,6 +62,7 @@ class Law(Alike, ABC):
     def __init_subclass__(cls, **options: Any) -> None:
         """Let no class that defines its strength inherit what follows from another one."""
         super().__init_subclass__(**options)
+        checking_methods(cls)
         laws = [base for base in cls.__mro__[1:] if issubclass(base, Law)]
         derived = any("strength" not in law.__abstractmethods__ for law in laws)
         if derived and "strength" in vars(cls):
@@ -178,7 +182,9 @@ class Law(Alike, ABC):
         """Return the state at t = 0, where |shear| is carried at a speed; 0 by default."""
         return np.zeros(len(pressure))
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+    def slip_speed(
+        self, stopping: Array, pressure: Array, impedance: Array | float, state: Array
+    ) -> Array:
         """Return the speed V >= 0 at which strength + impedance V = stopping, 0 where it sticks.
 
         By default it is found by bracketing in ln V, to rounding; a law may have a faster way.
@@ -230,7 +236,7 @@ class Law(Alike, ABC):
             (self.strength(pressure, 0 * pressure, 0 * pressure + path), path) for path in paths
         )
 
-    def on(self, x: Any, spacing: float = 0.0) -> Self:
+    def on(self, x: ArrayLike, spacing: float = 0.0) -> Self:
         """Return the law with all its fields as arrays on positions x (n,).
 
         With a node distance, nodes near a jump of a field take its mean; see `sampling.sampled`.

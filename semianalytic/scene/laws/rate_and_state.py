@@ -95,7 +95,9 @@ class RateAndState(DelayedLaw):
             log = np.log(speed / (2 * self.v0)) + self._exponent(state)
         return np.asarray(self.a * pressure * _arcsinh_exp(log))
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+    def slip_speed(
+        self, stopping: Array, pressure: Array, impedance: Array | float, state: Array
+    ) -> Array:
         """Return the speed of balance; see `Law.slip_speed`.
 
         With V = V0 (e^(x - E) - e^(-x - E)) the balance a p x + impedance V = stopping is convex

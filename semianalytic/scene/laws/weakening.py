@@ -174,7 +174,9 @@ class RateWeakening(DelayedLaw):
         friction = self.dynamic + (self.static - self.dynamic) / (1 + speed / self.rate)
         return friction * pressure + self.cohesion
 
-    def slip_speed(self, stopping: Array, pressure: Array, impedance: Any, state: Array) -> Array:
+    def slip_speed(
+        self, stopping: Array, pressure: Array, impedance: Array | float, state: Array
+    ) -> Array:
         """Return the speed of balance; see `Law.slip_speed`."""
         # Multiplied by (V + rate), the balance is a quadratic in w = impedance V.
         excess = stopping - self.static * pressure - self.cohesion

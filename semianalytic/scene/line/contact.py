@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -21,6 +22,7 @@ FITS = 1e-3
 """Distance of an end over the node distance that changes slip by a thousandth of one node."""
 
 
+@checking_methods
 @dataclass(frozen=True)
 class Contact:
     """The parts of the line y = 0 on which the bodies touch; the rest is open slot.
@@ -188,6 +190,7 @@ class Contact:
         return min(near, key=misplaced)
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class Adhesion(Alike):
     """Tension that a contact carries before it opens.

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
@@ -18,6 +20,7 @@ from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.quantities import with_quantities
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True, eq=False)
 class InterfaceLoad(Alike):
@@ -84,7 +87,7 @@ class InterfaceLoad(Alike):
         given = getattr(self, name)
         return callable(given) or float(given) != 0
 
-    def traction(self, x: Any, t: float, after: bool = False, of: str = "shear") -> Array:
+    def traction(self, x: ArrayLike, t: float, after: bool = False, of: str = "shear") -> Array:
         """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
 
         At a jump of the history this is the value before it, or the one `after` it.
@@ -125,6 +128,7 @@ class InterfaceLoad(Alike):
         return []
 
 
+@checking_methods
 @with_quantities
 @dataclass(frozen=True, eq=False)
 class FrontLoad(Alike):

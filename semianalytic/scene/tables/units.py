@@ -39,7 +39,7 @@ LONGEST = 32
 _BASE = {
     **{"length": "m", "time": "s", "length / time": "m/s", "stress": "Pa", "1 / time": "Hz"},
     **{"mass / length^3": "kg/m**3", "stress time / length": "Pa*s/m"},
-    **{"stress length": "N/m", "1": ""},
+    **{"stress length": "N/m", "angle": "degree", "1": ""},
 }
 _PARTS: Mapping[str, float] = {
     **{"ε": 1.0, "strain": 1.0, "1e-3": 1e-3, "mstrain": 1e-3, "1e-6": 1e-6, "microstrain": 1e-6},

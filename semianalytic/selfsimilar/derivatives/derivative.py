@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
@@ -78,6 +79,7 @@ class OpenDerivative:
     outer: float
 
 
+@checking_methods
 @dataclass(frozen=True, eq=False)
 class Derivative:
     """Derivatives of a solution with respect to one parameter of its scene, all others held.

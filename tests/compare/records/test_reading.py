@@ -299,6 +299,7 @@ def test_sizes_of_units(dimension):
     ("name", "dimension"),
     [
         *(("s", "length"), ("m", "time"), ("m", "length / time"), ("Pa s", "stress")),
+        ("MPa", "angle"),
         *(("upper", "length"), ("furlnog", "length"), ("1e3 m", "length"), ("m**", "length")),
         *(("m" * 99, "length"), ("(" * 30, "length"), ("10**10**10", "stress"), ("__x", "time")),
     ],

@@ -243,6 +243,17 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
         ),
         (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise takes"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
+        (
+            lambda: slipfront.survey(PRELOADED, client="x", friction=[0.1]),
+            "client must be one of dask.distributed, got 'x'.",
+        ),
+        (lambda: slipfront.survey(PRELOADED, together=3, friction=[0.1]), "must be True or False"),
+        (lambda: slipfront.solve(PRELOADED).animate("a.gif", []), "animate: t must be one or more"),
+        (lambda: slipfront.simulate(PRELOADED, resume=[1, 2]), "resume must be True or False"),
+        (
+            lambda: slipfront.solve("ramp", nodes=16, estimate=None),
+            "estimate must be True or False",
+        ),
         (lambda: unit_scene(lower_material="steel"), "scene: lower_material must be a Material"),
         (lambda: unit_scene(step=3), "no parameter 'step'; it has material, friction, base, load"),
     ],
@@ -260,3 +271,62 @@ def test_scenes_are_copied_and_changed_as_before():
     for same in (copy.deepcopy(PRELOADED), pickle.loads(pickle.dumps(PRELOADED))):
         assert same == PRELOADED
     assert replace(PRELOADED, friction=0.4).friction == 0.4
+
+
+# --- methods of scenes and answers ----------------------------------------------------------------
+
+NODES = np.full(4, 0.4)
+SOLVED = sf.solve(PRELOADED)
+BLOCK = {"material": PRELOADED.material, "height": 1.0, "left": -1.0, "right": 1.0}
+FILM = {"material": PRELOADED.material, "strength_ratio": 0.3, "viscosity": 0.5}
+LAWS = [
+    sf.Coulomb(0.3),
+    sf.SlipWeakening(0.5, 0.3, 0.1),
+    sf.RateWeakening(0.5, 0.3, 0.1),
+    sf.RateAndState(0.01, 0.02, 0.6, 1e-6, 1e-3),
+]
+METHODS = [
+    *[
+        (law.strength, {"pressure": NODES, "speed": NODES, "state": NODES}, "pressure")
+        for law in LAWS
+    ],
+    *[(law.on, {"x": NODES}, "x") for law in LAWS],
+    (sf.Ramp(0.5).value, {"t": NODES}, "t"),
+    (sf.Pulse(0.5).mean, {"start": NODES, "end": 1.0 + NODES}, "start"),
+    (sf.Contact(((-1.0, 1.0),)).touches, {"x": NODES}, "x"),
+    (sf.Contact(((-1.0, 1.0),)).ends, {"length": 8.0}, "length"),
+    (sf.IncidentWave("P", 10.0, 1.0).tractions, {"material": PRELOADED.material}, "material"),
+    (sf.Tractions(1.0, 0.0).plus, {"other": sf.Tractions(1.0, 0.0)}, "other"),
+    (sf.Normal(1.0, 0.1).misfit, {"value": 0.3}, "value"),
+    (sf.Setup().gain_of, {"gauge": sf.Gauge(0.4, NODES.cumsum(), NODES, 0.1)}, "gauge"),
+    (SOLVED.derivative("friction").slip, {"x": NODES, "t": 1.0}, "x"),
+    (SOLVED.slip, {"x": NODES, "t": 1.0}, "t"),
+    (fem.Block, BLOCK, "preload"),
+    (fem.Block, BLOCK, "far_side"),
+    (slipfront.reference.viscous_edge_speed, FILM, "mode"),
+    (slipfront.reference.viscous_edge_speed, FILM, "viscosity"),
+]
+
+
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize(("method", "right", "name"), METHODS)
+@pytest.mark.parametrize("wrong", [[[1.0], [1.0, 2.0]], "word", set(), b"ab", 10**400], ids=shown)
+def test_methods_name_the_argument_of_a_wrong_type(method, right, name, wrong):
+    with pytest.raises(sf.SceneError, match=rf"\b{name}\b.* got .*\.$"):
+        method(**right | {name: wrong})
+
+
+def test_positions_and_times_that_do_not_fit_are_refused_with_their_shapes():
+    with pytest.raises(sf.SceneError, match=r"slip: shapes must fit .* x \(2,\), t \(1, 3\)\.$"):
+        SOLVED.slip([0.1, 0.2], [[0.5, 1.0, 1.5]])
+
+
+def test_a_method_that_fails_by_itself_is_not_blamed_on_its_arguments():
+    class Broken(sf.LoadHistory):
+        pieces = None
+
+        def turn(self, width: float, until: float) -> float:
+            raise ValueError("its own fault")
+
+    with pytest.raises(ValueError, match="its own fault"):
+        Broken().turn(0.1, 1.0)
