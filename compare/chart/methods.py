@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
-from semianalytic.methods import chosen
+from semianalytic.methods import chosen, whole
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document
@@ -105,7 +105,7 @@ def exact(problem: Problem, rtol: float) -> Any:
 def marched(problem: Problem, nodes: float, estimate: bool = False) -> Any:
     """March a problem of one material."""
     given = {"end_time": problem.end_time, "nodes": int(nodes), "every": _LAST}
-    return solve(problem.scene, method="space-time", **given, estimate=estimate)
+    return whole(solve(problem.scene, method="space-time", **given, estimate=estimate))
 
 
 def _finite_elements(problem: Problem, resolution: float) -> Any:
