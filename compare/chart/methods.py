@@ -16,7 +16,7 @@ import numpy as np
 
 from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
-from semianalytic.methods import chosen
+from semianalytic.methods import chosen, whole
 from semianalytic.results.files import row_checksum
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SlipfrontError
@@ -103,7 +103,7 @@ def exact(problem: Problem, rtol: float) -> Any:
 def marched(problem: Problem, nodes: float, estimate: bool = False) -> Any:
     """March a problem of one material."""
     given = {"end_time": problem.end_time, "nodes": int(nodes), "every": _LAST}
-    return solve(problem.scene, method="space-time", **given, estimate=estimate)
+    return whole(solve(problem.scene, method="space-time", **given, estimate=estimate))
 
 
 def _finite_elements(problem: Problem, resolution: float) -> Any:

@@ -13,7 +13,7 @@ from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.plan import MOST_NODES
 from semianalytic.engine.resolution import nodes_for_loads
-from semianalytic.methods import chosen
+from semianalytic.methods import chosen, whole
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def planned(
         nodes, length = _grid(scene, reach, end_time, element, choice.resolution)
         # this march costs little compared with a simulation
         options = {"end_time": end_time, "nodes": nodes, "length": length, "estimate": False}
-        solve(scene, method="space-time", **options)
+        whole(solve(scene, method="space-time", **options))
     return prediction, choice
 
 
@@ -82,9 +82,8 @@ def predict_like(
     # as far and as long as the simulation was recorded, on finer nodes
     reach, element = float(simulation.interface.x[-1]), simulation.element_size
     nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
-    return solve(
-        scene, method="space-time", end_time=end_time, nodes=nodes, length=length, progress=progress
-    )
+    options = {"end_time": end_time, "nodes": nodes, "length": length, "progress": progress}
+    return whole(solve(scene, method="space-time", **options))
 
 
 def _grid(

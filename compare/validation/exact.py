@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Scene, solve
-from semianalytic.methods import chosen
+from semianalytic.methods import chosen, whole
 from semianalytic.results.answer import Answer, method_of
 from semianalytic.scene.arrays import Array, Mask
 
@@ -120,9 +120,9 @@ def exact_answer(scene: Scene, end_time: float, reach: float) -> Exact:
     if chosen(scene).name == "self-similar":
         answer: Answer = solve(scene)
     elif scene.on_line:
-        answer = solve(scene, end_time=end_time)
+        answer = whole(solve(scene, end_time=end_time))
         scene = answer.scene  # whose line has a length
     else:
         length = max(1.25 * reach, scene.material.shear_speed * end_time)
-        answer = solve(scene, end_time=end_time, nodes=MARCH_NODES, length=length)
+        answer = whole(solve(scene, end_time=end_time, nodes=MARCH_NODES, length=length))
     return Exact(scene, answer, end_time)

@@ -15,6 +15,8 @@ by 1 + lambda t* (Prakash and Clifton, simplified).  Growth is then bounded.
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -34,6 +36,7 @@ _STARTS = np.ravel(
 )
 _DIFFERENCE, _ROUNDING = 1e-6, 1e-10
 """Difference in x for a derivative, and the step over |x| + 1 that ends the iteration."""
+_LARGEST_EXPONENT = math.log(sys.float_info.max)
 _LEAST_HEIGHT = 1e-8
 """Nearer roots run into the real axis of k, where waves neither grow nor decay."""
 
@@ -56,8 +59,8 @@ class GrowingWave:
 
     @property
     def per_wavelength(self) -> float:
-        """Logarithm of the growth while the wave runs one wavelength."""
-        return 2 * np.pi * self.growth / abs(self.velocity)
+        """Logarithm of the growth while the wave runs one wavelength, at most that of a number."""
+        return min(2 * np.pi * self.growth / abs(self.velocity), _LARGEST_EXPONENT)
 
 
 @lru_cache(maxsize=64)

@@ -6,10 +6,13 @@ ones are kept, a message is printed, and the exit code is 130 or 143.
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
+import threading
 from types import FrameType
+from typing import Any
 
 from slipfront.cli.endings.faults import (
     INTERRUPTED,
@@ -42,6 +45,7 @@ def main() -> int:
         else:
             raise KeyboardInterrupt
 
+    sys.unraisablehook = interrupt_again
     heeded = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
     try:
         # nothing has begun during the imports, and importing code might swallow an exception
@@ -73,6 +77,14 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     return TERMINATED if terminated and code == INTERRUPTED else code
+
+
+def interrupt_again(unraisable: Any) -> None:
+    """Interrupt anew if an interruption came where Python drops exceptions, as in `__del__`."""
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        threading.Timer(0.05, _thread.interrupt_main).start()  # when that code has ended
+    else:
+        sys.__unraisablehook__(unraisable)
 
 
 def _flushed(code: int) -> int:

@@ -14,7 +14,7 @@ from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_doc
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic import solve
-from semianalytic.methods import chosen
+from semianalytic.methods import chosen, whole
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import method_of
 from semianalytic.scene.checks import checked_size, checked_word
@@ -175,7 +175,7 @@ def field_command(
                 if "memory" in settings:
                     settings["memory"] = options.in_bytes(settings["memory"])
                 settings["progress"] = shares_of(progress)
-                answer: Any = solve(scene, method="space-time", **settings)
+                answer: Any = whole(solve(scene, method="space-time", **settings))
         else:
             answer = solve(scene, method="self-similar")
         shown_window = asked_window or reach(answer, time)

@@ -1,6 +1,7 @@
 """The verb `solve`: who answers, which settings are known, and what is refused."""
 
 import pickle
+import signal
 from copy import deepcopy
 from dataclasses import replace
 from importlib import import_module
@@ -12,7 +13,7 @@ from catalogue import under
 
 import slipfront as sf
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.methods import METHODS, chosen, settings_of
+from semianalytic.methods import METHODS, chosen, settings_of, whole
 from semianalytic.parameters.numbers import numbers_of, with_numbers
 from semianalytic.scene.given.finding import names
 from semianalytic.scene.given.named import NAMED_LINES
@@ -184,3 +185,14 @@ def test_a_survey_and_a_derivative_of_equal_bodies_are_those_of_one():
         assert two[name].values == pytest.approx(known, rel=1e-5, abs=1e-6, nan_ok=True)
     slopes = [sf.solve(each).derivative("friction").zones for each in (scene, pair_of(scene))]
     assert slopes[0] == slopes[1]
+
+
+def test_what_goes_on_with_a_march_ends_if_that_was_interrupted():
+    halted = sf.solve(
+        "ramp", nodes=64, progress=lambda time, end: signal.raise_signal(signal.SIGINT)
+    )
+    assert halted.is_interrupted
+    with pytest.raises(KeyboardInterrupt):
+        whole(halted)
+    exact = sf.solve("preloaded")
+    assert whole(exact) is exact

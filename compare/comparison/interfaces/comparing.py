@@ -19,6 +19,7 @@ from semianalytic.engine.stepping.acting import ActingLoads
 from semianalytic.engine.stepping.fronts import acting_loads
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of, with_period
 from semianalytic.engine.stepping.tuning import NODES
+from semianalytic.methods import whole
 from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -80,7 +81,7 @@ def compare_interface(
     kept = {name: value for name, value in options.items() if name not in ("every", "frames")}
     kept["times"] = sample_times(end_time).tolist()
     # first the run, which refuses friction that has no answer
-    done = solve(scene, end_time=end_time, nodes=nodes, **kept)
+    done = whole(solve(scene, end_time=end_time, nodes=nodes, **kept))
     # waves of a few elements may grow on meshes even where friction admits none
     damping = DAMPING if scene.lower_material in (None, scene.material) else QUIETING
     simulations = [simulate_line(lines[0], end_time, damping=damping, progress=progress)]

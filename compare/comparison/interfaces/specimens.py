@@ -22,6 +22,7 @@ from fem.lines import LineSimulation
 from semianalytic import solve
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.tuning import NODES
+from semianalytic.methods import whole
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_document, scene_document
@@ -163,7 +164,7 @@ def judge_specimen(specimen: Specimen, meshes: Sequence[LineSimulation], until: 
     # beyond a period of this length no wave comes back
     scene = replace(scene, period=2 * ends + 4 * scene.fastest_speed * until)
     nodes, times = fitting_nodes(scene, NODES, 2), meshes[0].t[levels]
-    done = solve(scene, end_time=float(times[-1]), nodes=nodes, times=times.tolist())
+    done = whole(solve(scene, end_time=float(times[-1]), nodes=nodes, times=times.tolist()))
     names = ("t", *UNITS, "strength", "window", "window_slip")
     early = [replace(run, **{name: getattr(run, name)[levels] for name in names}) for run in meshes]
     case: Any = line_case(done, early, SpecimenCase)

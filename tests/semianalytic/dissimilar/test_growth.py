@@ -268,3 +268,10 @@ def test_verdicts():
 def test_what_cannot_be_told_is_refused(arguments, complaint):
     with pytest.raises(SceneError, match=complaint):
         sf.sliding_stability(*arguments)
+
+
+def test_growth_beyond_the_range_of_numbers_is_the_largest_number():
+    upper, lower = Material(1.0, 1.0, 0.25), Material(2.0, 1.0, 0.25)
+    waves = sf.sliding_stability(upper, lower, 1e9).waves
+    largest = np.finfo(float).max
+    assert max(wave.per_wavelength for wave in waves) == pytest.approx(largest, rel=1e-9)

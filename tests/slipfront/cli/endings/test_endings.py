@@ -5,11 +5,13 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 
 import pytest
 
 from slipfront.cli import commands
 from slipfront.cli.commands import main
+from slipfront.cli.entry import interrupt_again
 
 SENTENCE = re.compile(
     r"slipfront met a fault of its own \((.+)\); please report it: (\S+\.txt) holds what is "
@@ -131,3 +133,15 @@ def test_a_file_that_hides_a_package_is_named_after_it_was_imported(tmp_path):
         f"ImportError: {tmp_path / 'fem.py'} hides the package 'fem' of slipfront; rename or move"
     )
     assert ended.stderr.splitlines()[-1].startswith(told)
+
+
+def test_an_interruption_that_python_drops_comes_again(monkeypatch, capfd):
+    class Closing:
+        def __del__(self):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys, "unraisablehook", interrupt_again)
+    Closing()
+    with pytest.raises(KeyboardInterrupt):
+        time.sleep(10)
+    assert capfd.readouterr().err == ""
