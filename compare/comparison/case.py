@@ -61,6 +61,8 @@ class Case:
     simulation: Simulation
     at_nodes: InterfaceHistory
     doubted: InterfaceHistory | None
+    rate_order: ClassVar = LARGEST_ORDER
+    """Highest order of convergence that is believed of slip rates without later jumps of loads."""
     local: ClassVar = 1.0
     """Error of a place over that which coarser meshes let expect of it."""
     early: ClassVar = EARLY
@@ -314,7 +316,7 @@ class Case:
         histories = () if scene.on_line else scene.acting_histories.values()
         jumps = [at for history in histories for at, _ in history.pieces.jumps]
         late = scene.jumps if scene.on_line else [at for at in jumps if at > 0]
-        return 1.0 if late or kind != "slip rate" else LARGEST_ORDER
+        return 1.0 if late or kind != "slip rate" else self.rate_order
 
     def compared(self, name: str, number: int) -> Mask:
         """Return the nodes of a run, by number, at which a field is compared over time: beyond the
