@@ -127,7 +127,7 @@ SWEEPS: Mapping[str, str] = {
 }
 """Scenes that are swept, and where their time goes."""
 PAIRS = "equations 43 %, tractions off the zones 36 %"
-MOVES = "cells of the field 38 to 50 %"
+MOVES = "cells of the field 38 to 70 %"
 JOBS: Mapping[str, Job] = {
     **{
         f"`sweep` of {side**2:,} from `{name}` [ms a scene]": Job(
