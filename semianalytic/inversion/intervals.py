@@ -131,9 +131,8 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
             return slopes
         # Differences, since the derivatives of `trials` are those a little off the edges of slip
         # (`Samples.clear`), where chi2 has its kinks.
-        here = misfit(part)
-        columns = [misfit(part + step) - here for step in np.diag(steps)]
-        return np.stack(columns, axis=1) / steps
+        beside = [whole(part + step) for step in np.diag(steps)]
+        return (trials.misfits(beside, exact=True) - misfit(part)).T / steps
 
     def misfit(part: Array) -> Array:
         return trials.misfit(whole(part))

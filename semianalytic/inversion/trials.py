@@ -161,9 +161,12 @@ class Trials:
         except (SceneError, ComputationError):
             return np.full(self.rows, np.inf)
 
-    def misfits(self, points: Sequence[Array]) -> Array:
-        """Return the misfits (m, n) of many values, computed by a sweep where possible."""
-        if not self.swept:
+    def misfits(self, points: Sequence[Array], exact: bool = False) -> Array:
+        """Return the misfits (m, n) of many values, computed by a sweep where possible.
+
+        A sweep over Poisson ratio as well is rough, and not taken where they are to be `exact`.
+        """
+        if not self.swept or (exact and "poisson_ratio" in self.swept):
             return np.array([self.misfit(point) for point in points])
         rows = np.full((len(points), self.rows), np.inf)
         ready: list[tuple[int, Scene, Setup]] = []
@@ -208,13 +211,13 @@ class Trials:
 
         if self.followed is None:
             self.followed = Plane((given,), self.rtol, scaled_load(given)[1])
-        known = {scene.coefficient for scene in self.followed.scenes}
+        known = set(self.followed.values[:, 0].tolist())
         # each friction once, for trials of the set-up alone share one
         new = [value for value in dict.fromkeys(frictions) if value not in known]
         if new:
             laws = map(given.law.with_coefficient, new)
             self.followed.add([replace(given, friction=law) for law in laws])
-        places = {scene.coefficient: i for i, scene in enumerate(self.followed.scenes)}
+        places = {value: i for i, value in enumerate(self.followed.values[:, 0].tolist())}
         return [self.followed.solutions[places[friction]] for friction in frictions]
 
     @cached_property

@@ -57,7 +57,7 @@ class Plane:
         self.loose = rule_for(loose_tolerance(rtol))
         ratio = np.array([scene.material.poisson_ratio for scene in scenes])
         friction = np.array([scene.coefficient for scene in scenes])
-        self.values = np.stack([friction, ratio], axis=1)
+        self.values = np.stack([friction, ratio], axis=1)  # (n, 2)
         ratios, first = np.unique(ratio, return_index=True)
         # Tables of many solids at once are those of loads in the plane that come at once.
         several = len(ratios) > 1
