@@ -23,9 +23,9 @@ from semianalytic.scene.arrays import Array
 from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
 
-LEAST_ERRORS = ("slip_rate", "slip", 0.3), ("shear_traction", "slip_rate", 0.1)
-"""Parts of the error of one field by which another is uncertain at least: on few frames the rates
-of two grids may agree by chance.  Without these, 2 estimates of 200 were 0.98 and 0.95 errors."""
+LEAST_RATE_ERROR, LEAST_TRACTION_ERROR = 0.3, 0.1
+"""Least errors of slip rate, over that of slip, and of traction that follows slip rate, over that of
+slip rate: at few stored times two grids may agree by chance, as 2 of 200 did."""
 
 
 def estimated(
@@ -107,8 +107,10 @@ def estimated(
         + (beside.wrong.get(name, 0.0) / 2 / sizes[name] if sizes[name] else 0)
         for name, share in shares.items()
     }
-    for name, by, share in LEAST_ERRORS:
-        errors[name] = max(errors[name], share * errors[by])
+    errors["slip_rate"] = max(errors["slip_rate"], LEAST_RATE_ERROR * errors["slip"])
+    if not scene.law.has_threshold:
+        least = LEAST_TRACTION_ERROR * errors["slip_rate"]
+        errors["shear_traction"] = max(errors["shear_traction"], least)
     (zone, slid), (parted, relieved) = beside.missed_slip, beside.missed_opening
     # `thinned` has every other node
     missed, parted = slid / (2 * spacing), parted / (2 * spacing)
