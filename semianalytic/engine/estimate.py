@@ -24,7 +24,7 @@ from semianalytic.scene.laws.sampling import sampled
 from semianalytic.scene.scene import Scene
 
 LEAST_RATE_ERROR, LEAST_TRACTION_ERROR = 0.3, 0.1
-"""Least errors of slip rate, over that of slip, and of traction that follows slip rate, over that of
+"""Least error of slip rate, over that of slip, and of traction that follows slip rate, over that of
 slip rate: at few stored times two grids may agree by chance, as 2 of 200 did."""
 
 
