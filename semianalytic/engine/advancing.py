@@ -112,38 +112,12 @@ def advance(
     rtol: float | None = None,
     setup: float = 0.0,
 ) -> Marched:
-    """March beside a slot until an end time, with its companion if there is one.
+    """March beside a slot until an end time [time], with its companion if there is one.
 
-    Parameters
-    ----------
-    scene : Scene
-        What is marched.
-    parts : sequence of Part
-        Nodes and layout of the march, and of its companion.
-    end_time : float
-        Time to march to [time].
-    every : int
-        Steps per stored level, at least.
-    memory : float, optional
-        Memory that the march may take [bytes].
-    stops : function of time
-        Called after each step; the march ends where it has returned True and its companion has a
-        level.
-    earlier : Marched, optional
-        The march that is continued; it is not changed.
-    rtol : float, optional
-        The error that was asked for.
-    setup : float
-        Time it took to make the grid and the memory [s].
-
-    Raises
-    ------
-    SceneError
-        If the march does not fit into the memory, or a step is beyond the stable range.
-    TensionError
-        If the pressure turns tensile at a node.
-    ComputationError
-        If values are no longer finite.
+    A level is stored at least every so many steps, as the memory [bytes] allows.  `stops` is called
+    with the time after each step; the march ends where it has returned True and its companion has a
+    level.  An `earlier` march that is continued is not changed.  The `setup` of grid and memory
+    took so long [s].
     """
     began, (grid, layout) = time.perf_counter(), parts[0]
     since = layout.begins if earlier is None else earlier.end_time
@@ -217,21 +191,10 @@ def affordable_every(
     stored: int,
     memory: float | None,
 ) -> int:
-    """Return how many steps a stored level must have for the levels to fit into the memory.
+    """Return how many of the steps to come a stored level must have to fit into the memory.
 
-    Parameters
-    ----------
-    scene, parts, memory
-        As of `advance`.
-    steps, stored : int
-        Steps that are to come, and levels that are stored.
-    finest : float
-        Shortest step of the whole march [time].
-
-    Raises
-    ------
-    SceneError
-        If the march does not fit even without storing anything.
+    So many levels are `stored`, and the shortest step of the whole march is the `finest` [time].
+    A march that does not fit even without storing anything is refused with a SceneError.
     """
     state, table, per_level = 0.0, 0.0, 0
     for grid, layout in parts:

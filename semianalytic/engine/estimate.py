@@ -33,19 +33,9 @@ def estimated(
 ) -> tuple[Marched, Tried | None]:
     """Return a run with estimates of its error, and how far runs of half the nodes are from it.
 
-    There is one, and another whose contacts are shorter where the grid displaces their ends.  The
-    second result is None if they were interrupted.
-
-    Parameters
-    ----------
-    done : Marched
-        The run.
-    half : function
-        Runs an interface on half its nodes, at its frames.
-    rtol : float, optional
-        Wanted error.
-    coarser : Tried, optional
-        A run of fewer nodes, from which the order of convergence is seen.
+    There is one, and another whose contacts are shorter where the grid displaces their ends;
+    `half` runs an interface on half its nodes, at its frames.  The second result is None if they
+    were interrupted.  A run of fewer nodes, `coarser`, shows the order of convergence.
     """
     scene, known, spacing = done.scene, done.interface, done.scene.period / done.nodes
     coarse = half(scene)

@@ -149,18 +149,10 @@ class MarchCheckpoint:
 
 
 def extents(scene: Scene, latest: float, length: float, entry: float) -> tuple[float, float]:
-    """Return the lengths of contact and slot beyond which nothing is seen until `latest` [length].
+    """Return the lengths of contact and slot that mirrors at their ends need [length].
 
-    Parameters
-    ----------
-    scene : Scene
-        The fastest wave speed and the slowness of the front of the load are taken from it.
-    latest : float
-        Time until which the observed contact must be unaffected by the mirrors [time].
-    length : float
-        Length of the observed contact [length].
-    entry : float
-        Distance from the tip at which a load that comes along the slot begins [length], else 0.
+    Until the time `latest` no wave from there reaches the observed contact of a `length`.  A load
+    that comes along the slot begins at the distance `entry` from the tip [length], else 0.
     """
     speed, slowness = scene.fastest_speed, scene.front_slowness
     begins = -max(slowness, 0.0) * entry
@@ -183,18 +175,7 @@ def causal_grid(
 ) -> ContactGrid:
     """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
 
-    Parameters
-    ----------
-    scene : Scene
-        The fastest wave speed is taken from it.
-    latest : float
-        Time until which the observed contact must be unaffected by the mirrors [time].
-    length : float
-        Length of the observed contact [length].
-    nodes : int
-        Number of nodes on the observed contact.
-    entry : float
-        Distance from the tip at which a load that comes along the slot begins [length].
+    So many `nodes` lie on that length; `extents` has the other arguments.
     """
     from scipy.fft import next_fast_len
 

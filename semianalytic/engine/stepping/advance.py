@@ -156,18 +156,9 @@ def stepped(
 ) -> Iterator[Taken]:
     """Yield the steps of a march through spans of time, and the levels after jumps of loads.
 
-    Parameters
-    ----------
-    line : Stepper or SlotLine
-        The line on its grid.
-    now : State
-        Where to start from.
-    spans : sequence of Span
-        Spans to come.
-    asked, keep
-        As of `through`; `keep` takes the state, where lines have last steps that are cut.
-    block : int, optional
-        Steps of a block.
+    It starts from the state `now` of a Stepper or SlotLine, in blocks of so many steps.  `asked`
+    and `keep` are those of `through`; `keep` takes the state, where lines have last steps that are
+    cut.
     """
     if line.climbs:
         yield from _one_by_one(line, now, [span.stop for span in spans], asked, keep)
