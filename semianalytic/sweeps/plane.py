@@ -191,7 +191,8 @@ class Plane:
         """Yield groups of indices into `which` whose zones may share panels.
 
         Points of many nodes, on fine rules `rule` (t,) or with narrow gaps, come in smaller groups.
-        Where it is `measured` what edges lack on a loose rule, groups hold like solids alone.
+        Where it is `measured` what edges lack on a loose rule, groups hold alike solids and gaps
+        alone: on the panels of others edges lack less than on their own.
         """
         if len(which) < 2:
             yield from np.arange(len(which))[:, None]
@@ -200,12 +201,13 @@ class Plane:
         parts, hiding = edges.parts(unknowns.T), self.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.hidden.real[which])
         distances = np.abs(parts[1:])
-        keys = np.concatenate([[hiding == 2, self.strip[which] * measured], beyond])
-        _, group = np.unique(keys, axis=1, return_inverse=True)
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
         # is that of the digits at both ends plus ln(1/gap).
-        digits = 2 - np.log(rule)
-        nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
+        digits, narrow = 2 - np.log(rule), -np.log(distances[2].min(axis=0, initial=1.0))
+        nodes = digits * (2 * digits + narrow)
+        alike = np.array([self.strip[which], np.round(narrow / 2)]) * measured
+        keys = np.concatenate([[hiding == 2], alike, beyond])
+        _, group = np.unique(keys, axis=1, return_inverse=True)
         for label in range(group.max() + 1):
             some = np.flatnonzero(group == label)
             some = some[np.argsort(nodes[some])]

@@ -149,6 +149,21 @@ def test_interpolated_frictions_are_as_good_as_their_estimates_say():
         assert swept[i].edge_slip_rate == pytest.approx(rate, rel=swept[i].error_estimate)
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "count", "some"),
+    [
+        (0.08289836027350878, 0.6187197360930274, 100, range(33, 38)),
+        (0.0769197110720411, 0.2786472006766832, 300, range(248, 253)),
+    ],
+)
+def test_estimates_hold_though_neighbours_have_narrower_gaps(low, high, count, some):
+    # on the finer panels of narrow gaps edges lack less than on their own
+    swept = sweep(PRELOADED, np.linspace(low, high, count), 1e-6)
+    for i in some:
+        assert len(swept[i].zones) == 2
+        check_one(swept[i], 1e-6)
+
+
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.335, 0.35), (SHOCK, 1.1, 1.45)])
 def test_changes_of_zones_are_not_smeared(start, low, high):
