@@ -146,7 +146,7 @@ class Spectrum:
         return np.concatenate([[0.0], self.q[1:]])
 
     def _terms(self, lower: bool, asked: Asked) -> list[list[Term]]:
-        known = "Z" if ("z", False) in self.rates else "PS"
+        known = {wave for name, _ in self.rates for wave in ("Z" if name == "z" else "PS")}
         rows = terms_of(asked, self.bodies[lower and len(self.bodies) - 1])
         return [[term for term in row if term.wave in known] for row in rows]
 

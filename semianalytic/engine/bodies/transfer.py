@@ -72,14 +72,15 @@ def driven(
     dict
         Complex arrays by rate and wave.
     """
+    found: dict[tuple[str, str], Any] = {}
     if "z" in names:
-        return {("z", "Z"): -0.5 if lower else 0.5}
-    of = _of_two if len(bodies) == 2 else _of_one
-    return {
-        (name, wave): drive
-        for name, pair in of(bodies, lower, q, s, names, roots).items()
-        for wave, drive in zip("PS", pair, strict=True)
-    }
+        found["z", "Z"] = -0.5 if lower else 0.5
+    # antiplane slip comes with waves in the plane where a load of pressure opens the slot
+    if plane := [name for name in names if name != "z"]:
+        of = _of_two if len(bodies) == 2 else _of_one
+        for name, pair in of(bodies, lower, q, s, plane, roots).items():
+            found |= {(name, wave): drive for wave, drive in zip("PS", pair, strict=True)}
+    return found
 
 
 def _of_one(
