@@ -41,9 +41,8 @@ def _is_count(value: object) -> bool:
 def _is_array(value: Any) -> bool:
     # texts and dates would become numbers; rows of different lengths raise, as in all checks
     kind = np.asarray(value).dtype.kind
-    size = np.abs(np.asarray(value, dtype=float))
-    real = kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
-    return real and not bool(np.any((size > LARGEST) & (size < np.inf)))
+    np.asarray(value, dtype=float)
+    return kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
 
 
 def _is_sized(value: object) -> bool:
@@ -56,7 +55,7 @@ _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),
     **dict.fromkeys(
         ("ArrayLike", "Array | float"),
-        (_is_array, f"a number or an array of numbers up to {LARGEST:g}"),
+        (_is_array, "a number or an array of numbers"),
     ),
     **dict.fromkeys(
         ("Array", "Sequence[float]", "Sequence[float] | Array"),

@@ -74,7 +74,7 @@ def finite(value: object) -> float | None:
         number = float(value)
     except OverflowError:
         return None
-    if abs(number) < sys.float_info.min:
+    if 0 < abs(number) < sys.float_info.min:
         return 0.0
     return number if math.isfinite(number) else None
 
