@@ -213,7 +213,7 @@ def test_a_comparison_that_misses_the_edge_says_so_too(shown, monkeypatch):
     monkeypatch.setenv("COLUMNS", "300")
     out = shown("compare ramp --friction 20 --resolution 20 --no-snapshots -q --output out").out
     assert "the march: the edge slips over a length of about" in out
-    assert "(resolution 495, h = 0.002: " in out
+    assert "may be resolved with --resolution 496, in about " in out
 
 
 def test_no_words_at_all_show_the_help(shown):
