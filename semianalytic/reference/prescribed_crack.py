@@ -19,7 +19,7 @@ from semianalytic.halfplane.rayleigh import CutPoints, Mode, RayleighFactors, ra
 from semianalytic.halfplane.running import RunningIntegral, panels_to
 from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_number, checked_size, checked_word
+from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -168,7 +168,6 @@ def prescribed_crack(
     >>> [round(prescribed_crack(solid, 0.5, 1.0, mode).amplitude, 7) for mode in ("I", "II", "III")]
     [0.5135005, 0.5882685, 0.8257256]
     """
-    checked_word("prescribed_crack: mode", mode, ("I", "II", "III"))
     speed = checked_size("prescribed_crack: speed", speed)
     drop = checked_number("prescribed_crack: drop", drop)
     factors = rayleigh_factors(material.poisson_ratio, mode)
