@@ -90,16 +90,6 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     return answer
 
 
-def whole(answer: Any) -> Any:
-    """Return an answer; raise KeyboardInterrupt if it is a march that Ctrl-C ended early.
-
-    It is for what goes on with the answer, which is not to go on then.
-    """
-    if getattr(answer, "is_interrupted", False):
-        raise KeyboardInterrupt
-    return answer
-
-
 def settings_of(solver: Any, problem: object) -> list[str]:
     """Return the settings that the module of a method takes for a problem, by name.
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from compare.tasks.workers import in_fresh_process
 from semianalytic import Scene, solve
-from semianalytic.methods import chosen, whole
+from semianalytic.methods import chosen
 from semianalytic.results.files import row_checksum
+from semianalytic.results.interruption import whole
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.given.documents import scene_document

@@ -84,7 +84,7 @@ class Unseen:
 
     @property
     def advice(self) -> str:
-        """What the feature takes to be seen, in words."""
+        """Resolution that may resolve the feature, and its time, in words."""
         if not self.meshable:
             return f"it would take `resolution` {self.resolution}, more than a mesh may have"
         default = ", the default" if self.resolution <= USUAL else ""

@@ -13,7 +13,8 @@ from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.dissimilar_slot.solution import PairSolution
 from semianalytic.engine.plan import MOST_NODES
 from semianalytic.engine.resolution import nodes_for_loads
-from semianalytic.methods import chosen, whole
+from semianalytic.methods import chosen
+from semianalytic.results.interruption import whole
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:

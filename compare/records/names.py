@@ -65,7 +65,7 @@ NOISE = "noise"
 
 @dataclass(frozen=True)
 class Columns:
-    """Which column holds what."""
+    """Columns of a table by their quantities."""
 
     places: Mapping[str, int]  # column of each of `ALIASES` that there is
     units: Mapping[str, Unit] = field(default_factory=dict)  # units of the columns that name one
@@ -94,7 +94,7 @@ def known_columns(
     units: Mapping[str, str] | None = None,
     bodies: bool = False,
 ) -> Columns:
-    """Which column holds what, and in which unit.
+    """Return the columns of a table by their quantities, with their units.
 
     Names are those of the columns, with or without units: "t [ms]", "slip_rate (mm/s)", "x_mm";
     some may be told by quantity, and units by name where a file has them apart.  With `bodies` y,

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import AFTER
 from semianalytic import Scene, solve
-from semianalytic.methods import chosen, whole
+from semianalytic.methods import chosen
 from semianalytic.results.answer import Answer, method_of
+from semianalytic.results.interruption import whole
 from semianalytic.scene.arrays import Array, Mask
 
 POINT = "point"

@@ -107,7 +107,7 @@ def surveyed(workers: int) -> float:
 
 @dataclass(frozen=True)
 class Job:
-    """What returns the seconds of a job, how often it runs in both checkouts, and its goal.
+    """A timed job: the function that returns its seconds, repeats in both checkouts, and goal.
 
     The goal is one of the job itself, or a share of its time before; `limit` is the profile that
     shows what a job that misses it is at.

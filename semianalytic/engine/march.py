@@ -99,7 +99,7 @@ def march(
     rtol : float, optional
         Largest acceptable `Marched.error_estimate` next to a slot, and error of slip and gap along
         a line.  The number of nodes is raised, by as much as the order of convergence requires, up
-        to 8000 next to a slot and 16,384 along a line, and is "unresolved" if these are not
+        to 8000 next to a slot and 16,384 along a line; the march is "unresolved" if these are not
         enough.  Next to a slot it excludes `nodes`.
     estimate : bool
         Whether to march on half the nodes as well, for the error estimates; next to a slot it takes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -72,6 +73,6 @@ class StuckPrimitive:
 
 
 @lru_cache(maxsize=64)
-def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
+def stuck_primitive(poisson_ratio: float, mode: Literal["I", "II"]) -> StuckPrimitive:
     """Return the primitive of p* (mode I) or q* (mode II); its tables are cached."""
     return StuckPrimitive(rayleigh_factors(poisson_ratio), mode)

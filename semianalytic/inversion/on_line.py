@@ -19,6 +19,7 @@ from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, is_of_setup
 from semianalytic.parameters.numbers import Number, numbers_of
+from semianalytic.results.interruption import whole
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled
@@ -196,7 +197,7 @@ def recorded(scene: Scene, nodes: int, estimate: bool) -> RecordedRun:
         if key not in ("nodes", "rtol", "every", "frames", "times")
     }
     # Between these times all is linear.
-    done = march(scene, nodes=nodes, frames=1000, estimate=estimate, **options)
+    done = whole(march(scene, nodes=nodes, frames=1000, estimate=estimate, **options))
     return RecordedRun(scene, done)
 
 

@@ -38,8 +38,8 @@ class Quoted:
     """Front speed, stress drop, fracture energy and S of a rupture, at places along the contact.
 
     Values have standard errors: the covariance of the fitted values, propagated by differences of
-    solutions, and the error of the grid.  They are nan where nothing slips, and S also where the
-    stress does not drop.
+    solutions, and the error of the grid.  They are nan where nothing slips, stress drop and S also
+    where the stress does not drop, and fracture energy where the strength does not fall.
 
     Attributes
     ----------
@@ -102,8 +102,11 @@ def _numbers(trials: Trials, answer: Any, x: Array) -> Array:
     excess = (shear[1:] + shear[:-1]) / 2 - residual
     falls = (level >= peak) & (level < least)
     energy = np.sum(np.where(falls[:-1], excess * np.diff(slip, axis=0), 0.0), axis=0)
-    drop, speed = before - residual, answer.front_speed(x)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(drop > 0, (shear[peak, place] - before) / drop, np.nan)
+    drop, speed, law = before - residual, answer.front_speed(x), answer.scene.law
+    drop = np.where(drop > 0, drop, np.nan)
+    pressure = sampled("", answer.scene.base.pressure, x)
+    if law.steady_slope() is not None and not law.weakening(pressure):
+        energy[:] = np.nan  # the peak above constant friction is one of rounding
+    ratio = (shear[peak, place] - before) / drop
     found = np.stack([np.where(np.isfinite(speed), speed, np.nan), drop, energy, ratio])
     return np.where(slip.any(axis=0), found, np.nan).ravel()

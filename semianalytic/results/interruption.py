@@ -36,3 +36,13 @@ def deferred_interrupt() -> Iterator[Interruption]:
         yield noted
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def whole(answer: Any) -> Any:
+    """Return an answer; raise KeyboardInterrupt if it is a march that Ctrl-C ended early.
+
+    It is for what goes on with the answer, which is not to go on then.
+    """
+    if getattr(answer, "is_interrupted", False):
+        raise KeyboardInterrupt
+    return answer

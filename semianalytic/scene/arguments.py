@@ -13,7 +13,7 @@ from typing import Any, TypeVar, get_args
 
 import numpy as np
 
-from semianalytic.scene.checks import LARGEST, LARGEST_COUNT, among, plain, shown
+from semianalytic.scene.checks import LARGEST, LARGEST_COUNT, among, listed, plain, shown
 from semianalytic.scene.errors import SceneError, SlipfrontError
 from semianalytic.scene.quantities import Class, in_units_of, is_quantity, made_in_si
 from semianalytic.scene.units import ARGUMENTS, SI
@@ -53,10 +53,7 @@ _Check = tuple[Callable[[Any], bool], str]
 _PATH: _Check = (lambda value: "\0" not in fspath(value), "a path")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),
-    **dict.fromkeys(
-        ("ArrayLike", "Array | float"),
-        (_is_array, "a number or an array of numbers"),
-    ),
+    **dict.fromkeys(("ArrayLike", "Array | float"), (_is_array, "a number or an array of numbers")),
     **dict.fromkeys(
         ("Array", "Sequence[float]", "Sequence[float] | Array"),
         (lambda value: np.ndim(value) > 0 and _is_array(value), "an array of numbers"),
@@ -93,7 +90,7 @@ def _check_of(kind: str, names: Mapping[str, Any]) -> _Check | None:
         alike, name = _ALIKE[kind.partition("[")[0]]
         return lambda value: isinstance(value, alike), name
     if words := [word for word in get_args(names.get(kind)) if isinstance(word, str)]:
-        return lambda value: among(value, words), " or ".join((", ".join(words[:-1]), words[-1]))
+        return lambda value: among(value, words), listed(words)
     return None
 
 

@@ -174,20 +174,22 @@ def checked_table(name: str, value: Any) -> dict[str, Any]:
     return dict(value)
 
 
-def checked_word(what: str, value: Any, words: Collection[str], page: str = "") -> str:
+def listed(words: Collection[str]) -> str:
+    """Name the words that a value may be, for messages."""
+    return " or ".join(words) if len(words) == 2 else f"one of {', '.join(words)}"
+
+
+def checked_word(what: str, value: Any, words: Collection[str], hint: str = "") -> str:
     """Return one of some words; others raise SceneError, "{what} must be one of {words}, got …"."""
     if not among(value, words):
-        known = " or ".join(words) if len(words) == 2 else f"one of {', '.join(words)}"
-        raise SceneError(f"{what} must be {known}, got {shown(value)}{page}.")
+        more = f" ({hint})" if hint else ""
+        raise SceneError(f"{what} must be {listed(words)}, got {shown(value)}{more}.")
     return str(value)
 
 
-def checked_kind(name: str, kind: Any, kinds: Collection[str], more: str = "") -> str:
+def checked_kind(name: str, kind: Any, kinds: Collection[str], hint: str = "") -> str:
     """Return the kind that a table gives; raise SceneError if it is none of those known."""
-    if not among(kind, kinds):
-        known = f"{', '.join(kinds)}{more}, got {shown(kind)}"
-        raise SceneError(f"{name}: kind must be one of {known} (docs/not_here.md).")
-    return str(kind)
+    return checked_word(f"{name}: kind", kind, kinds, f"{hint}docs/not_here.md")
 
 
 def made(

@@ -293,7 +293,7 @@ def load_from_document(table: Any) -> Load:
     """
     if "kind" not in table:
         return Tractions(**table)
-    kind = checked_kind("load", table["kind"], LOAD_KINDS, ", or left out for tractions")
+    kind = checked_kind("load", table["kind"], LOAD_KINDS, "leave it out for tractions; ")
     return made("load", LOAD_KINDS[kind], table, _IN_FILES)
 
 

@@ -204,7 +204,7 @@ class Scene(AlongLine):
                     f"scene: {name} must be one of {known}, or of a package that brings it "
                     f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
                 )
-        checked_word("scene: mode", self.mode, MODES, " (docs/not_here.md)")
+        checked_word("scene: mode", self.mode, MODES, "docs/not_here.md")
         checked_word("scene: load_on", self.load_on, LOADED)
         # Numbers given with units have been turned into those of the SI.
         if made_in_si(self) and not self.units:

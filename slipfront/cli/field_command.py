@@ -14,9 +14,10 @@ from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_doc
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic import solve
-from semianalytic.methods import chosen, whole
+from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import method_of
+from semianalytic.results.interruption import whole
 from semianalytic.scene.checks import checked_size, checked_word
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require

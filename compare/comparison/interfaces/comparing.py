@@ -19,7 +19,7 @@ from semianalytic.engine.stepping.acting import ActingLoads
 from semianalytic.engine.stepping.fronts import acting_loads
 from semianalytic.engine.stepping.line import fitting_nodes, grid_of, with_period
 from semianalytic.engine.stepping.tuning import NODES
-from semianalytic.methods import whole
+from semianalytic.results.interruption import whole
 from semianalytic.scene.checks import checked_count, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import sampled

@@ -22,7 +22,7 @@ from fem.lines import LineSimulation
 from semianalytic import solve
 from semianalytic.engine.stepping.line import fitting_nodes
 from semianalytic.engine.stepping.tuning import NODES
-from semianalytic.methods import whole
+from semianalytic.results.interruption import whole
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import history_document, scene_document

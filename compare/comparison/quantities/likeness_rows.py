@@ -79,11 +79,11 @@ def _apart(case: Case, fine: Simulation, coarse: Simulation) -> float:
 def _excess(case: Case) -> float:
     """Return how far errors of slip over (x, t) are from growing with h, over what is right.
 
-    The prediction is what meshes tend to as h → 0.  What is common to the errors of a mesh is a
-    factor and a delay of all slip.  Both grow from 2h to 4h as all errors do from h to 2h; or each
-    as it does itself if it is of one order, and to six times that of 2h less eight times that of h
-    if it is of the orders 1 and 2 together, or to what is between.  A deviation counts by what it
-    changes in slip or slip rate, in changes from mesh to mesh, and the smaller of the two counts.
+    The prediction is the limit of meshes for h → 0.  The errors of a mesh have in common a factor
+    and a delay of all slip, e(h).  Either both grow from 2h to 4h as all errors do from h to 2h; or
+    each lies between e(2h)^2 / e(h), if it is of one order, and 6 e(2h) - 8 e(h), if orders 1 and 2
+    are mixed.  A deviation from that is measured by the slip or slip rate that it changes, in
+    changes from mesh to mesh, and the smaller of the two deviations counts.
     """
     coarsest = case.runs[2].interface
     nodes = case.compared("slip", 2) & (coarsest.x <= (1 + ROUNDING) * case.seen.x[-1])

@@ -16,7 +16,7 @@ gamma_xy change sign.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -76,30 +76,16 @@ def driven(
     if "z" in names:
         found["z", "Z"] = -0.5 if lower else 0.5
     # antiplane slip comes with waves in the plane where a load of pressure opens the slot
-    if plane := [name for name in names if name != "z"]:
-        of = _of_two if len(bodies) == 2 else _of_one
-        for name, pair in of(bodies, lower, q, s, plane, roots).items():
-            found |= {(name, wave): drive for wave, drive in zip("PS", pair, strict=True)}
-    return found
-
-
-def _of_one(
-    bodies: tuple[Material, ...],
-    lower: bool,
-    q: Array,
-    s: Complex,
-    names: Iterable[str],
-    roots: Pair,
-) -> dict[str, Pair]:
-    """Return Phi and Psi between identical bodies."""
-    squared, sign = np.square(bodies[0].shear_speed / s), -1.0 if lower else 1.0
-    once: Complex = np.asarray(1j * q * squared)
-    twice: Complex = np.asarray(0.5 + q * q * squared)
-    found = dict[str, Pair]()
-    if "x" in names:
-        found["x"] = sign * once, sign * twice / roots[1]
-    if "y" in names:
-        found["y"] = -twice / roots[0], once
+    plane = [name for name in names if name != "z"]
+    if len(bodies) == 2:
+        pairs: Mapping[str, Any] = _of_two(bodies, lower, q, s, plane, roots)
+    else:
+        squared, sign = np.square(bodies[0].shear_speed / s), -1.0 if lower else 1.0
+        once, twice = 1j * q * squared, 0.5 + q * q * squared
+        alike = {"x": (sign * once, sign * twice / roots[1]), "y": (-twice / roots[0], once)}
+        pairs = {name: alike[name] for name in plane}
+    for name, pair in pairs.items():
+        found |= {(name, wave): drive for wave, drive in zip("PS", pair, strict=True)}
     return found
 
 

@@ -1,4 +1,4 @@
-"""End of a command that meets a fault of the program: a sentence, a report, exit code 70; others.
+"""Ends of commands: exit codes, and the sentence and the report of a fault of the program (70).
 
 This module imports only the standard library, because it must work when other packages are broken.
 """

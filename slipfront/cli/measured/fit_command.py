@@ -35,7 +35,6 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.given.files import read_document
 from semianalytic.scene.given.finding import check_slot, find
-from semianalytic.scene.laws.coulomb import Coulomb
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.tables.units import si_size
 from semianalytic.scene.units import measure, unit, units_shown
@@ -194,19 +193,9 @@ def _rupture_table(found: Fit) -> PrintedTable:
     table = PrintedTable(numbers=headings, title="Rupture")
     for place, x in enumerate(found.quoted.x):
         pairs = [[row[place] for row in getattr(found.quoted, name)] for name in QUOTED]
-        cells = [
-            f"{value:.3g} ± {error:.1g}" if _tells(found, name, value) else "-"
-            for name, (value, error) in zip(QUOTED, pairs, strict=True)
-        ]
+        cells = [f"{value:.3g} ± {error:.1g}" if value == value else "-" for value, error in pairs]
         table.add_row(f"{x:.4g}", *cells)
     return table
-
-
-def _tells(found: Fit, name: str, value: float) -> bool:
-    """Return whether a quoted value is known and has the meaning of its name."""
-    if name == "fracture_energy" and isinstance(found.scene.law, Coulomb):
-        return False  # constant friction takes none, but for rounding of the peak
-    return value > 0 if name == "stress_drop" else value == value
 
 
 def _gauges_table(found: Fit, most: int = 12) -> PrintedTable:

@@ -8,6 +8,7 @@ from docs.studies.lines import scene_along
 
 SOLID = sf.Material(1.0, 1.0, 0.3)
 NAMES = ("slip", "slip_rate")
+TIMES = [0.45, 0.8, 1.2, 1.6]
 
 
 def off(fields, exact, name):
@@ -112,3 +113,40 @@ def test_a_film_slips_up_to_anywhere_in_a_cell(part):
         right = getattr(fine.interface, name)[:, ::8]
         error = np.abs(getattr(done.interface, name) - right).sum() / np.abs(right).sum()
         assert error < done.error_estimates[name] < 0.1, name
+
+
+@pytest.mark.parametrize(
+    ("solid", "law", "base", "contact", "shear", "width"),
+    [
+        (
+            sf.Material(1.0, 1.0, 0.2326),
+            sf.SlipWeakening(0.4383, 0.3643, 0.5088),
+            sf.Tractions(1.0, -0.2048),
+            sf.Contact(),
+            0.7033,
+            0.4746,
+        ),
+        (
+            sf.Material(1.0, 1.0, 0.0559),
+            sf.RateAndState(a=0.05, b=0.01014, f0=0.6174, v0=1e-3, distance=0.2),
+            sf.Tractions(1.0, 0.6174),
+            sf.Contact([(-0.8736, 1.0)]),
+            -0.7485,
+            0.7893,
+        ),
+    ],
+)
+def test_two_grids_that_agree_at_few_times_are_not_believed(
+    solid, law, base, contact, shear, width
+):
+    load = sf.InterfaceLoad(lambda x: shear * np.exp(-np.square(x / width)), sf.Ramp(0.4), "line")
+    creep = 1e-3 if isinstance(law, sf.RateAndState) else 0.0
+    scene = sf.Scene(solid, law, base, load, contact=contact, rate=creep, period=8.0)
+    rough, fine = (sf.solve(scene, end_time=1.6, nodes=n, times=TIMES) for n in (128, 512))
+    on = rough.interface.touching
+    for name in (*NAMES, "shear_traction"):
+        values = getattr(rough.interface, name)[:, on]
+        right = fine.at(getattr(fine.interface, name), rough.interface.x[on])
+        change = np.abs(right - base.shear * (name == "shear_traction")).sum()
+        allowed = rough.error_estimates[name] + fine.error_estimates[name]
+        assert np.abs(values - right).sum() < allowed * change

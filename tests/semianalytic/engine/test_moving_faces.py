@@ -35,6 +35,15 @@ WAVES = {
 }
 
 
+@pytest.mark.parametrize("lower", [False, True])
+def test_equal_bodies_as_two_send_the_waves_of_one_and_another(lower):
+    roots, names = decays(SOLID, Q, S), ("x", "y")
+    one, two = (driven((SOLID,) * count, lower, Q, S, names, roots) for count in (1, 2))
+    assert one.keys() == two.keys()
+    for wave, drive in one.items():
+        assert two[wave] == pytest.approx(drive, rel=1e-12)
+
+
 def sent(asked, body, waves):
     """Rows of a field, of waves at the face by name."""
     a, b = decays(body, Q, S)

@@ -10,6 +10,7 @@ from catalogue import PRELOADED, unit_scene
 import semianalytic as sf
 from docs.studies.lines import scene_along
 from semianalytic import Gauge, LogNormal, Normal, SceneError, Setup, Uniform, fit, solve
+from semianalytic.inversion import on_line
 from semianalytic.inversion.gauges import FIELDS, INTERFACE
 from semianalytic.inversion.on_line import RecordedRun, recorded
 from semianalytic.inversion.samples import Samples
@@ -264,6 +265,17 @@ def test_a_law_and_the_time_of_the_load_are_found_from_slip_and_gauges_in_both_b
     for gauge, band in zip(in_bodies(true, t=later - 0.2), bands, strict=True):
         assert np.all(np.abs(gauge.values - band.value) < 3 * band.error)
         assert np.all(band.error < 0.02 * np.abs(band.value))
+
+
+def test_a_fit_ends_with_a_march_that_is_interrupted(truth, monkeypatch):
+    whole = on_line.march
+
+    def interrupted(*given, **options):
+        return replace(whole(*given, **options), status="interrupted at t = 1")
+
+    monkeypatch.setattr(on_line, "march", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        sf.fit(gauges(truth, 1e-4), fault(), "gain", nodes=32)
 
 
 def test_a_grid_that_gauges_can_see_is_not_converged(truth):

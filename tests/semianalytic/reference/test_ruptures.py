@@ -283,7 +283,7 @@ def test_what_is_no_crack_is_refused():
     for given, said in (
         ((0.0, 1.0, "II"), "speed must be positive"),
         ((0.5, np.nan, "II"), "drop must be a finite number"),
-        ((0.5, 1.0, "IV"), "mode must be I, II or III"),
+        ((0.5, 1.0, "IV"), "mode must be one of I, II, III"),
     ):
         with pytest.raises(SceneError, match=said):
             prescribed_crack(SOLID, *given)

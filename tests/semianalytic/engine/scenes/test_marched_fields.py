@@ -77,6 +77,14 @@ def on_interface(marched, name, row, side):
     return getattr(marched, name)(marched.interface.x, side * 0.0, marched.end_time)[row]
 
 
+def test_antiplane_slip_leaves_the_waves_of_pressure_to_the_plane():
+    scene = unit_scene(0.4, (0.5, -0.1), (0.3, 0.7), mode="antiplane")
+    marched, at = march(scene, nodes=64, estimate=False), (*points(scene, 30), 0.97)
+    exact = sf.solve(scene).velocity(*at)
+    for rows in (slice(2), slice(2, 3)):
+        assert off_by(marched.velocity(*at)[rows], exact[rows], 0.0) < 0.01
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_fields_end_in_the_traction_of_the_interface(side):
     marched = marched_once(find_scene("ramp"), 1.0, 256)

@@ -48,6 +48,8 @@ def test_a_fit_is_shown_drawn_and_written(records, tmp_path, shown):
     assert found["units"]["parameters"] == {"gain": "1"}
     assert found["units"]["gauges"]["x"] == "length"
     assert [gauge["samples"] for gauge in found["gauges"]] == [40, 40]
+    for name in ("stress_drop", "fracture_energy", "strength_ratio"):
+        assert found["rupture"][name]["value"] == [None] * PLACES
 
 
 def test_json_is_all_that_is_printed_and_priors_count(records, printed):
