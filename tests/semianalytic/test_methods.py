@@ -13,8 +13,9 @@ from catalogue import under
 
 import slipfront as sf
 from semianalytic.dissimilar_slot.solution import PairSolution
-from semianalytic.methods import METHODS, chosen, settings_of, whole
+from semianalytic.methods import METHODS, chosen, settings_of
 from semianalytic.parameters.numbers import numbers_of, with_numbers
+from semianalytic.results.interruption import whole
 from semianalytic.scene.given.finding import names
 from semianalytic.scene.given.named import NAMED_LINES
 from semianalytic.whole_line.growing import GrowingSolution
