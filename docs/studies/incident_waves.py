@@ -11,6 +11,7 @@ from pathlib import Path
 from textwrap import fill
 
 import numpy as np
+import scipy
 from matplotlib.figure import Figure
 
 import slipfront as sf
@@ -21,7 +22,9 @@ from compare.figures.style import look
 SOLID, BASE = sf.Material(1.0, 1.0, 0.25), sf.Tractions(pressure=1.0, shear=0.0)
 WAVES = (sf.IncidentWave("P", -30.0, stress=1.0), sf.IncidentWave("SV", -30.0, stress=0.4))
 FRICTION, TIME, FAR = 0.2, 1.0, 2.1
-ANGLES, FRICTIONS = np.linspace(-80, 80, 81), np.linspace(0.01, 0.99, 50)
+ANGLES, FRICTIONS = np.linspace(-80, 80, 321), np.linspace(0.0, 1.0, 201)
+STEPS = (8, 4, 2, 1)
+"""Every which of these angles and frictions is solved, as far as states differ in between."""
 STATES = (
     "sticks",
     "edge slips",
@@ -44,10 +47,22 @@ def state(wave: sf.IncidentWave, friction: float) -> int:
 
 
 def maps() -> Iterator[np.ndarray]:
-    """Yield the states (frictions, angles) of both kinds of waves."""
+    """Yield the states (frictions, angles) of both kinds of waves.
+
+    A scene among neighbours of one state is of this state; all others are solved.
+    """
     for kind, stress in (("P", 1.0), ("SV", 0.3)):
         waves = [sf.IncidentWave(kind, float(angle), stress=stress) for angle in ANGLES]
-        yield np.array([[state(wave, float(f)) for wave in waves] for f in FRICTIONS])
+        states = np.full((FRICTIONS.size, ANGLES.size), -1)
+        for step in STEPS:
+            part = states[::step, ::step]
+            most = scipy.ndimage.maximum_filter(part, 3, mode="nearest")
+            least = -scipy.ndimage.maximum_filter(np.where(part < 0, -9, -part), 3, mode="nearest")
+            alike = (part < 0) & (most == least)
+            part[alike] = most[alike]
+            for row, column in np.argwhere(part < 0):
+                part[row, column] = state(waves[column * step], float(FRICTIONS[row * step]))
+        yield states
 
 
 @look()
@@ -68,7 +83,8 @@ def main(folder: Path) -> None:
         window = (-FAR, FAR, -FAR, FAR)
         shown = np.minimum(speed, most)
         image = panel.imshow(shown, extent=window, origin="lower", cmap="viridis", vmin=0)
-        figure.colorbar(image, ax=panel, label="particle speed / (p / ρ c_t)", shrink=0.8)
+        label = "particle speed / (p / ρ c_t)"
+        figure.colorbar(image, ax=panel, label=label, shrink=0.8, extend="max")
         for front in fronts(solution, TIME):
             draw_front(panel, front, (-FAR, FAR, -FAR, 0.92 * FAR), "white", "black")
         handles = draw_interface(panel, solution, TIME)
