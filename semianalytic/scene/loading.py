@@ -83,14 +83,16 @@ class LineLoad:
         return Tractions(self.pressure, self.shear)
 
     def slowness(self, material: Material) -> float:
-        """Return the slowness of its front along x, 0: it has none that runs over the slot."""
+        """Return the slowness of its front along x; 0, since it has no front that moves over the
+        slot.
+        """
         return 0.0
 
 
 @with_quantities
 @dataclass(frozen=True)
 class Patch(LineLoad):
-    """Tractions that act at once on a stretch |x| < speed * t, which grows from a point.
+    """Tractions that act suddenly on the interval |x| < speed * t, which grows from a point.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ class Patch(LineLoad):
 
 @dataclass(frozen=True)
 class PointForce(LineLoad):
-    """A line force on the interface at x = 0 that grows evenly in time, F = rate * t.
+    """A line force on the interface at x = 0 that grows linearly in time, F = rate * t.
 
     It is the limit of a `Patch` whose speed tends to 0 at constant rate = 2 * speed * stress.
 
@@ -160,7 +162,7 @@ class PointForce(LineLoad):
 @with_quantities
 @dataclass(frozen=True)
 class HalfLine(LineLoad):
-    """Tractions that act at once on all of x < 0.
+    """Tractions that act suddenly on all of x < 0.
 
     Parameters
     ----------
