@@ -130,7 +130,7 @@ def cost(
     Raises
     ------
     SceneError
-        If an option is out of range, a load swings faster than the mesh can follow, or the run
+        If an option is out of range, a load turns back faster than the mesh can follow, or the run
         would need more memory than the limit.
 
     Examples

@@ -94,9 +94,9 @@ def simulate(
     Raises
     ------
     SceneError
-        If an option is out of range, a load swings faster than the mesh can follow, the run would
-        take too much memory, different materials slide ahead of all waves, or friction falls with
-        slip rate faster than the interface can radiate.
+        If an option is out of range, a load turns back faster than the mesh can follow, the run
+        would take too much memory, different materials slide ahead of all waves, or friction falls
+        with slip rate faster than the interface can radiate.
     MissingLibraryError
         If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
     DataFileError
@@ -248,7 +248,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     kinetic, work = kinetic / model.time_step**2, max(work, abs(model.joint.work.external))
     if step >= FIRST_JUDGED and kinetic > RUNAWAY * work:
         raise ComputationError(
-            f"the simulation went unstable at step {step} of {model.steps}: its kinetic energy "
+            f"the simulation became unstable at step {step} of {model.steps}: its kinetic energy "
             f"is more than {RUNAWAY:g} times the work of the loads; lower `step_ratio` "
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )

@@ -279,8 +279,8 @@ class Case:
         why = "these bodies slip" if different else "friction falls with slip rate"
         return (
             f"{BEYOND}waves of a few elements grow while {why}: this mesh "
-            f"is {rougher:.2g} times as rough as that of 2h; raise `damping`, to 0.2 for one, "
-            "which holds them back"
+            f"is {rougher:.2g} times as rough as that of 2h; raise `damping`, to 0.2 say, "
+            "which damps them"
         )
 
     def _rougher(self, name: str) -> float:

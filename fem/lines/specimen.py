@@ -105,7 +105,7 @@ class Block:
                     f"block: tractions act on far_side, left_side or right_side, not {shown(name)}."
                 )
             if not isinstance(traction, Tractions):
-                raise SceneError(f"block: {name} bears Tractions, got {shown(traction)}.")
+                raise SceneError(f"block: {name} takes Tractions, got {shown(traction)}.")
             kind = getattr(self, name)
             across, along, _ = SIDES[kind]
             if (across and traction.pressure) or (along and traction.shear):

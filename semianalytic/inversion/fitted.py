@@ -40,8 +40,8 @@ class Fit:
     interval : (p, 2) array
         Lower and upper end of the confidence interval of each value, at which chi2, minimised over
         the other values, exceeds its minimum by one; the error of the grid is added.  If chi2 is a
-        parabola, this is one standard error to either side; an end is infinite where the data set
-        none.
+        parabola, this is one standard error to either side; an end is infinite if the data do not
+        bound it.
     chi2 : float
         Sum of squares of the misfits over the noise, and over the widths of priors.
     freedom : int

@@ -167,7 +167,7 @@ def check_gauge(gauge: Gauge, scene: Scene) -> None:
     quantity = gauge.quantity
     if quantity in FIELDS and "z" in quantity and not scene.antiplane:
         raise SceneError(
-            f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
+            f'gauge: {quantity} is zero in this scene; it needs one with mode="antiplane".'
         )
 
 

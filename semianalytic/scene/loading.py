@@ -34,8 +34,8 @@ class Tractions:
     Parameters
     ----------
     pressure : float or field
-        Contact pressure, positive in compression [stress]; a number, or a function of x or a
-        `Table`, which a march alone takes.
+        Contact pressure, positive in compression [stress]; a number, or for marches also a function
+        of x or a `Table`.
     shear : float or field
         Shear traction sigma_xy on y = 0, sigma_yz in antiplane shear [stress].
 
@@ -63,11 +63,11 @@ class Tractions:
         return Tractions(self.pressure + other.pressure, self.shear + other.shear)
 
     def tractions(self, material: Material) -> Tractions:
-        """Return the tractions of this load, themselves in any solid."""
+        """Return the tractions of this load, the same in any solid."""
         return self
 
     def slowness(self, material: Material) -> float:
-        """Return the slowness of its front along x, 0: it comes everywhere at once."""
+        """Return the slowness of its front along x, 0: it acts everywhere at once."""
         return 0.0
 
 

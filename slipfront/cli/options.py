@@ -202,7 +202,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "base_pressure": "Pressure in place before t = 0, everywhere [stress].",
         "base_shear": "Shear traction in place before t = 0, everywhere [stress].",
         "load_pressure": "Pressure taken off the slot faces at t = 0; negative adds it [stress].",
-        "load_shear": "Shear traction taken off the slot faces at t = 0; negative adds it [stress].",
+        "load_shear": "Shear taken off the slot faces at t = 0; negative adds it [stress].",
         "angle": "Angle of the wave from the normal [degrees]; negative: it meets the contact "
         "first.",
         "wave_velocity": "Step of particle velocity of the wave [length / time].",
