@@ -105,6 +105,8 @@ def _excess(case: Case) -> float:
             doubt, fine, half, coarse = ((other - known) / size for other in others)
             changes = _sum(half - fine), _sum(coarse - half) / 2, _sum(coarse - fine) / 3
             units.append(min(changes) + least_error(case) + _sum(doubt))
+    if max(units) > FORESEEN:
+        return 0.0
     first, second, third = (_common(error, patterns[-1]) for error in (fine, half, coarse))
     alike = np.clip(_sum(half) / (_sum(fine) + TINY), *GROWTH) * second
     itself = np.clip(second * np.sign(first) / (np.abs(first) + TINY), *GROWTH) * second
