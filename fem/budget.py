@@ -65,10 +65,10 @@ class Cost:
     steps : int
         Time steps.
     memory : int
-        Peak on top of what the process uses already [bytes], within 30 %; below some 30,000
-        unknowns up to half too much.
+        Peak memory in addition to what the process already uses [bytes], accurate to 30 %; below
+        about 30,000 unknowns it may be too large by up to half.
     seconds : float
-        Wall-clock time [s], rough: that of an idle core of 2024.
+        Rough wall-clock time on an idle core of 2024 [s].
     history, frames, checkpoint : int
         Sizes of `simulation.h5`, of all field snapshots, and of a checkpoint near the end [bytes].
 
@@ -120,7 +120,8 @@ def cost(
     snapshots, checkpoint : bool
         Whether field snapshots and checkpoints would be written.
     memory : float, optional
-        Refuse runs that need more than this, as `simulate` does [bytes]; None for its own limit.
+        Memory above which a run is refused [bytes]; none by default, and that of `simulate` if
+        None.
 
     Returns
     -------
@@ -129,7 +130,7 @@ def cost(
     Raises
     ------
     SceneError
-        If an option is out of range, a load swings faster than the mesh can follow, or the run
+        If an option is out of range, a load turns back faster than the mesh can follow, or the run
         would need more memory than the limit.
 
     Examples

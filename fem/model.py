@@ -55,7 +55,7 @@ class Model(March):
     space : Space
         Mesh and nodes of the upper block, whose mirror image is the lower one.
     place : (n,) array
-        Number of each node in the bodies.
+        Index of each node of the mesh in the vectors of the bodies.
     contact_x, slot_x : arrays
         Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
     slot : (k,) array
@@ -65,7 +65,8 @@ class Model(March):
     steps : int
         Steps to the end time.
     half_window : int
-        Steps before and after a level over which its slip rate is the mean; as many follow the end.
+        Number of steps before and after a level over which its slip rate is averaged; as many steps
+        are computed beyond the end time.
     seconds : dict
         Wall-clock time of the stages "mesh" and "assembly" [s], as far as they were timed.
 

@@ -57,8 +57,9 @@ class SlotHistory:
 class EnergyHistory:
     """Energies of both blocks per unit thickness [stress length^2], as the scheme defines them.
 
-    They are recorded at every step, stored or not.  In the middle of each step central differences
-    balance exactly: kinetic + strain + friction + damping + impact = external.
+    They are recorded at every step, stored or not.  In the middle of each step the energies of the
+    central-difference scheme balance exactly: kinetic + strain + friction + damping + impact =
+    external.
 
     Attributes
     ----------
@@ -67,16 +68,16 @@ class EnergyHistory:
     kinetic : (m,) array
         Kinetic energy of the velocity in the middle of the step.
     strain : (m,) array
-        Strain energy of the change of stress: u_n . K u_{n+1} / 2 from the time levels on either
-        side.
+        Strain energy of the change of stress: u_n . K u_{n+1} / 2, with the displacements u_n and
+        u_{n+1} at the time levels on either side and the stiffness matrix K.
     friction : (m,) array
-        Work taken by friction since t = 0, shear traction times slip.
+        Energy dissipated by friction since t = 0, the integral of shear traction over slip.
     damping : (m,) array
-        Work taken by the viscous damping.
+        Energy dissipated by the viscous damping.
     external : (m,) array
         Work done by the load on the slot faces, and by the base tractions on slip and opening.
     impact : (m,) array
-        Work taken where open parts of the interface close again.
+        Energy lost where open parts of the interface close again.
 
     Examples
     --------
@@ -138,7 +139,7 @@ class ContactOpening:
 class Simulation(SampledAnswer):
     """The result of one finite-element simulation.
 
-    `simulate` returns it.  It answers like every solver: `slip_rate(x, t)`, `slip(x, t)`,
+    `simulate` returns it.  It has the methods of all answers: `slip_rate(x, t)`, `slip(x, t)`,
     `shear_traction(x, t)`,
     `pressure(x, t)` and `gap(x, t)` between the stored nodes and levels, `max_slip(t)`,
     `accumulated_slip(t)` and `frictional_work(t)` between steps, `zones_at(t)`, `openings_at(t)`,
@@ -160,24 +161,24 @@ class Simulation(SampledAnswer):
     model : str
         Model that was simulated, e.g. "antisymmetric half".
     step_ratio : float
-        Largest time step asked for, over the critical one.
+        Largest time step that was requested, divided by the critical one.
     time_step, critical_step : float
         The step taken and the largest stable one [time].
     rate_window : float
-        Time over which a slip rate of `interface` is the mean, about its level [time]; 0 where it
-        is that of the level itself.
+        Length of the time window, centred on its level, over which each slip rate of `interface` is
+        averaged [time]; 0 if slip rates are those of the level itself.
     steps : int
         Number of steps.
     unknowns : int
-        Displacement unknowns.
+        Number of displacement unknowns.
     interface : InterfaceHistory
         Fields on the contact nodes x > 0, from h beyond the edge node on.  The edge node, at x = 0
         or, if the slot is pressed, a fraction of h from it, is left out: part of its mass belongs
         to the slot, and its motion does not converge.  All fields belong to the same times: the
         tractions are those of the level, and the slip rate is the mean over a window around it,
-        second order in time, in which a shear wave crosses 2.8 elements (up to whole steps; soon
-        after t = 0 the window begins there).  So it is for the last level: the run goes on
-        until its window ends.
+        second order in time, in which a shear wave crosses 2.8 elements (rounded to whole steps;
+        soon after t = 0 the window begins at t = 0).  The same holds for the last level: the run
+        continues until its window ends.
     state : (m, n) array of int8
         State of each node of `interface` in the step after each time: STICK (0), slip FORWARD
         (+1) or BACKWARD (-1), or OPEN (2).
@@ -188,7 +189,8 @@ class Simulation(SampledAnswer):
         Accumulated |slip| of each node of `interface` at the end [length], summed over every step,
         stored or not, and also while the node is open.
     final_work_density : (n,) array
-        Work per area that friction has taken at each node by the end [stress length], likewise.
+        Energy per area dissipated by friction at each node until the end [stress length], likewise
+        summed over every step.
     totals : Totals
         Totals of the contact at each step, stored or not.  Accumulated slip and frictional work are
         sums over all nodes with the lengths that belong to them, the edge node's included, so that
@@ -196,7 +198,7 @@ class Simulation(SampledAnswer):
     opened : ContactOpening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
-        Motion of the slot nodes next to the edge, as far as no reflection gets.
+        Motion of the slot nodes next to the edge, over the length that no reflection reaches.
     energy : EnergyHistory
         Energies of both blocks.
     seconds : dict
@@ -273,8 +275,8 @@ class Simulation(SampledAnswer):
     def error_estimate(self) -> float:
         """Estimate of the relative L1 error of the slip rate over contact and time.
 
-        It is 1.6 times the difference from the companion at half the resolution, over the slip
-        rate; nan without a companion.
+        It is 1.6 times the difference from the companion at half the resolution, divided by the
+        slip rate; nan without a companion.
         """
         if self.companion is None:
             return float("nan")
@@ -315,7 +317,8 @@ def load_simulation(directory: str | Path) -> Simulation:
 
 @checking
 def opening_sentence(simulation: Simulation) -> str:
-    """Say whether the contact came apart, and where, when, how far and over which length.
+    """Return a sentence that states whether the contact opened and, if so, where, when, how far and
+    over which length.
 
     Examples
     --------

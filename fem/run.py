@@ -56,8 +56,8 @@ def simulate(
     Parameters
     ----------
     scene : Scene, Specimen, str or path
-        Materials, friction law, tractions and load histories, or a name or file as for `find`.  Of
-        a specimen, end_time and the options of `Specimen.simulated` are taken.
+        Materials, friction law, tractions and load histories, or a name or file as for `find`.  For
+        a specimen, only end_time and the options of `Specimen.simulated` apply.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
@@ -67,34 +67,36 @@ def simulate(
     checkpoint : path, optional
         File to write checkpoints to.
     checkpoint_every : int, optional
-        Steps between checkpoints, 100 if `checkpoint_seconds` is not given either; another one
-        is written when the run is interrupted.
+        Steps between checkpoints, 100 if `checkpoint_seconds` is not given either; a further
+        checkpoint is written when the run is interrupted.
     checkpoint_seconds : float, optional
-        Wall-clock time between checkpoints [s]; one is due when either is.
+        Wall-clock time between checkpoints [s]; a checkpoint is written when either interval has
+        passed.
     resume : bool
         Resume from the checkpoint file if it exists; the result is the same to the last bit.
     progress : callable, optional
         Called with (step, steps) after each step.
     memory : float, optional
-        Most that the run may take [bytes], 70 % of what is available if not given; see `fem.cost`.
+        Largest memory that the run may use [bytes], by default 70 % of what is available; see
+        `fem.cost`.
     tell : callable, optional
         Called with a sentence when the mesh is too coarse for one of two materials or for slip
-        weakening, or a snapshot or checkpoint cannot be written, while the run goes on; unless
-        given, that is a warning.
+        weakening, or a snapshot or checkpoint cannot be written, while the run goes on; by default
+        a warning is issued instead.
     **options
         Fields of `Settings` that replace those of `settings`: resolution, damping, step_ratio,
         model, mesh, every, frames.
 
     Returns
     -------
-    Simulation, or LineSimulation of a specimen
+    Simulation, or LineSimulation for a specimen
 
     Raises
     ------
     SceneError
-        If an option is out of range, a load swings faster than the mesh can follow, the run would
-        take too much memory, different materials slide ahead of all waves, or friction falls with
-        slip rate faster than the interface can radiate.
+        If an option is out of range, a load turns back faster than the mesh can follow, the run
+        would take too much memory, different materials slide ahead of all waves, or friction falls
+        with slip rate faster than the interface can radiate.
     MissingLibraryError
         If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
     DataFileError
@@ -102,7 +104,8 @@ def simulate(
         or has no room for them, or the checkpoint is damaged or of another run.  A run goes on if
         the disk becomes full later: see `Simulation.unwritten`.
     ComputationError
-        If the run goes unstable or values are no longer finite; what was written stays.
+        If the run becomes unstable or values are no longer finite; files that were written are
+        kept.
     KeyboardInterrupt
         On Ctrl-C, after a last checkpoint if checkpoints are written.
 
@@ -245,7 +248,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     kinetic, work = kinetic / model.time_step**2, max(work, abs(model.joint.work.external))
     if step >= FIRST_JUDGED and kinetic > RUNAWAY * work:
         raise ComputationError(
-            f"the simulation went unstable at step {step} of {model.steps}: its kinetic energy "
+            f"the simulation became unstable at step {step} of {model.steps}: its kinetic energy "
             f"is more than {RUNAWAY:g} times the work of the loads; lower `step_ratio` "
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )

@@ -29,10 +29,11 @@ class Settings:
     resolution : int
         Node distances per c_t T, at least 8: h = c_t T / resolution.
     damping : float
-        eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
+        eta of the Kelvin-Voigt damping C = eta K, where K is the stiffness matrix, in units of h /
+        c_t; 0 for none.
     step_ratio : float
-        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
-        to 1.5 is accepted to show it.
+        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; values
+        up to 1.5 are accepted so that the instability can be shown.
     model : str
         "auto" uses one block where symmetry allows it, which is exact; "two-blocks" never does.
     mesh : str

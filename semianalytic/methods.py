@@ -62,7 +62,7 @@ def solve(problem: Any, *, method: str = "auto", **settings: Any) -> Any:
     ------
     SceneError, TensionError, ComputationError
         If there is no such problem, method or setting, or no method takes the problem; if the
-        contact would open without end, or a march fails.
+        contact would open to infinity, or a march fails.
 
     Examples
     --------

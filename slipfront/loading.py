@@ -23,7 +23,7 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
     path : str or path
         File that `save` wrote, or the folder of a simulation.
     scene : Scene, optional
-        The scene of a march that has functions of Python, which no file can contain.
+        The scene of a march, if it has Python functions, which no file can contain.
 
     Returns
     -------
@@ -35,8 +35,8 @@ def load(path: str | PathLike[str], scene: Scene | None = None) -> Any:
     MissingLibraryError
         If h5py is not installed.
     DataFileError
-        If the file is missing, damaged, or holds no answer, or that of a scene with functions of
-        Python, which is not given.
+        If the file is missing, damaged, or holds no answer, or that of a scene with Python
+        functions that is not given.
 
     Examples
     --------

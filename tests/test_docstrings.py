@@ -21,7 +21,17 @@ DESCRIBED = {
 }
 LONGEST = "PairDerivative"
 """Its example takes more than half of the time of all that the default run takes."""
-WITH_EXAMPLES = [name for name, member in DESCRIBED.items() if ">>>" in (member.__doc__ or "")]
+METHODS = {
+    f"{method.__module__}.{method.__qualname__}": method
+    for member in DESCRIBED.values()
+    if inspect.isclass(member)
+    for base in member.__mro__
+    for method in map(inspect.unwrap, (getattr(m, "__func__", m) for m in vars(base).values()))
+    if inspect.isfunction(method) and method.__module__.startswith(("semianalytic.", "fem."))
+}
+WITH_EXAMPLES = [
+    name for name, member in (DESCRIBED | METHODS).items() if ">>>" in (member.__doc__ or "")
+]
 
 ROOT = Path(__file__).parents[1]
 CITED = re.compile(r'docs/(\w+)\.md, "([^"]+)"')
@@ -71,7 +81,7 @@ def pairs_solved_once() -> Iterator[None]:
     [pytest.param(entry, marks=[pytest.mark.slow] * (entry == LONGEST)) for entry in WITH_EXAMPLES],
 )
 def test_examples_run(name: str) -> None:
-    described = DESCRIBED[name]
+    described = (DESCRIBED | METHODS)[name]
     (test,) = doctest.DocTestFinder(recurse=False).find(
         described, name, module=inspect.getmodule(described), globs={}
     )

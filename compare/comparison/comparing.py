@@ -40,14 +40,14 @@ def compare(
     budget : float, optional
         Time that the simulation of a scene may take [s]; about a minute by default.
     **settings
-        Settings of `simulate`, such as resolution, or, on a line, nodes, mesh_nodes and
-        settings of its run; of a specimen, size, damping and step_ratio.
+        Settings of `simulate`, such as resolution; for a scene on a line, nodes, mesh_nodes and the
+        settings of its run; for a specimen, size, damping and step_ratio.
 
     Returns
     -------
     Judgement
-        Its `verdict` is "agrees", "differs" or "unresolved"; `rows` say what was compared, how far
-        both are apart, and with which bar.
+        Its `verdict` is "agrees", "differs" or "unresolved"; `rows` list the quantities that were
+        compared, their differences and their error bars.
 
     Raises
     ------

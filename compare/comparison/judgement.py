@@ -92,7 +92,7 @@ def judge(
     frames: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Judgement:
-    """Hold a prediction against a simulation.
+    """Compare a prediction with a simulation.
 
     The prediction may be of another scene; the judge is tested in this way.
 

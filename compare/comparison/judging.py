@@ -283,6 +283,8 @@ def judged(
         held = limited if differs else replace(row, obstacle=DIVERGES, resolution=finer)
     if held.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
         return replace(held, obstacle=case.amplified)
+    if held.verdict == DIFFERS and not case.shown and row.kind not in ("arrival", "law"):
+        return replace(held, obstacle=FEW, resolution=finer)
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:

@@ -56,7 +56,7 @@ def overall(verdicts: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity: its exact value, as the nodes would show that, and as simulated.
+    """One quantity: its exact value, its value at the nodes, and its simulated value.
 
     Attributes
     ----------

@@ -189,5 +189,5 @@ def _faces(path: Path, mesh: Any, points: Array, on: Array) -> tuple[np.ndarray,
         both = np.intersect1d(points[upper, 0], points[lower, 0])
         upper, lower = (face[np.isin(points[face, 0], both)] for face in (upper, lower))
         if len(upper) != len(lower) or not len(upper):
-            raise DataFileError(f"{path}: nodes of the two faces do not lie on one another.")
+            raise DataFileError(f"{path}: nodes of the two faces do not coincide.")
     return upper, lower

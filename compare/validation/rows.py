@@ -47,7 +47,7 @@ NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
 )
-CREEP = "the contact creeps, so slowly over V₀ that slip is not judged"
+CREEP = "the contact creeps, so slowly compared with V₀ that slip is not judged"
 
 
 def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[JudgedRow]:

@@ -85,11 +85,11 @@ class Validation(HasRows[JudgedRow]):
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, where
-        something slips if it does anywhere, and of anything where neither was recorded; else
+        """ "differs" if one row does; else "agrees" if one of slip or slip rate does (where
+        something slips, if anything does) or, where neither was recorded, any row; else
         "unresolved".
 
-        "agrees after conversion" where that takes conventions which neither the file nor the
+        "agrees after conversion" if that requires conventions which neither the file nor the
         caller has stated.
         """
         motion = [row for row in self.rows if row.kind in MOTION]

@@ -105,7 +105,7 @@ class Block:
                     f"block: tractions act on far_side, left_side or right_side, not {shown(name)}."
                 )
             if not isinstance(traction, Tractions):
-                raise SceneError(f"block: {name} bears Tractions, got {shown(traction)}.")
+                raise SceneError(f"block: {name} takes Tractions, got {shown(traction)}.")
             kind = getattr(self, name)
             across, along, _ = SIDES[kind]
             if (across and traction.pressure) or (along and traction.shear):
@@ -135,7 +135,7 @@ class Specimen:
     base : Tractions, optional
         Tractions in place on the joint [stress]; by default those of equilibrium under preloads.
     load : Tractions
-        Tractions that are taken off the slot at t = 0 [stress].
+        Tractions that are removed from the slot faces at t = 0 [stress].
     history : LoadHistory
         Factor of that load over time.
     gauges : sequence of (x, y)
@@ -206,7 +206,8 @@ class Specimen:
         step_ratio: float = STEP_RATIO,
         progress: Progress | None = None,
     ) -> LineSimulation:
-        """Simulate it with squares of a size [length]; all else is as for `simulate_line`.
+        """Simulate the specimen with square elements of the given size [length]; all else is as for
+        `simulate_line`.
 
         At t = 0 it is at rest, in equilibrium under its preloads or with its base in place.
 
@@ -251,7 +252,9 @@ class Specimen:
         return marched(line, meshed, end_time, samples, step_ratio, progress, gauges)
 
     def friction_at(self, x: Array, size: float) -> tuple[Law, Array]:
-        """Return the friction law at nodes (n,) of a spacing [length], and its state at t = 0."""
+        """Return the friction law at nodes x (n,) with the given spacing [length], and its state at
+        t = 0.
+        """
         law = self.friction if isinstance(self.friction, Law) else Coulomb(self.friction)
         law, none = law.on(x, size), np.zeros(len(x))
         return law, np.asarray(law.start(none + 1, none, none), dtype=float)
@@ -296,8 +299,8 @@ class Specimen:
     def half_planes(self, size: float | None = None) -> Scene:
         """Return the half-planes that describe the specimen until waves from its ends arrive.
 
-        Contact or slot at an end of the joint goes on beyond it; so does what preloads have put in
-        place, by statics on squares of a size [length].
+        Contact or slot at an end of the joint continues beyond it, and so do the initial tractions
+        due to preloads, which are computed statically on squares of the given size [length].
         """
         (left, right), base = self.joint, self.base
         contact = [
@@ -321,11 +324,12 @@ class Specimen:
         )
 
     def felt(self, x: Array) -> Array:
-        """Return the arrival of waves from the bodies' ends at points of the joint (n,) [time].
+        """Return the times at which waves from the boundaries of the blocks first arrive at points
+        of the joint, (n,) [time].
 
         First waves run at c_l from loaded slots to a far side and back, or along the joint to its
-        ends and back; a slot at such an end sends them at once, unless the sides there let the
-        plane waves of its load pass.  Waves of loads on sides arrive directly.
+        ends and back; a slot that reaches such an end emits them at t = 0, unless the sides there
+        transmit the plane waves of its load.  Waves of loads on sides arrive directly.
         """
         x, (left, right) = np.asarray(x, dtype=float), self.joint
         found, acts = np.full(len(x), math.inf), bool(self.load.pressure or self.load.shear)

@@ -23,7 +23,7 @@ SLACK = 1e-9
 LARGEST = 1e9
 """Displacement of the faces, over force and stiffness, from which on a specimen is loose."""
 LOOSE = (
-    "simulate: the specimen would fall apart or slide as a whole under its preload; hold more of "
+    "simulate: the specimen would fall apart or slide as a whole under its preload; fix more of "
     "its sides, press the joint, or raise friction."
 )
 

@@ -98,7 +98,7 @@ def count_growing(compliance: Compliance, friction: float, delay: float = 0.0) -
     # A zero on the cut itself, as at a threshold, leaves half a turn undecided.
     if abs(turns - count) > 0.05:
         raise ComputationError(
-            f"the number of growing waves is {turns:.3f}, not a whole one; change the friction "
+            f"the number of growing waves is {turns:.3f}, not an integer; change the friction "
             "coefficient or a modulus a little."
         )
     return count

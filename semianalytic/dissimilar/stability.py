@@ -72,8 +72,7 @@ class SlidingStability:
         Speed of the wave along a bonded interface [length / time].
     threshold_with, threshold_against : float
         Friction coefficients above which waves grow that run in the direction in which the upper
-        body slides, and in the other one; 0 where every coefficient lets them grow, inf where none
-        does.
+        body slides, and in the opposite one; 0 if they grow at every coefficient, inf if at none.
     waves : tuple of SlidingWave
         All waves that grow at this friction, the fastest growing first.
     delayed_growth : float or None
@@ -103,7 +102,7 @@ class SlidingStability:
 
     @property
     def well_posed(self) -> bool:
-        """Whether no wave grows, so that sliding in either sense has an answer."""
+        """Whether no wave grows, so that sliding in either sense is well posed."""
         return not self.waves
 
     @property
@@ -153,10 +152,10 @@ def sliding_stability(upper: Material, lower: Material, friction: float) -> Slid
     Raises
     ------
     SceneError
-        If a body is no `Material`, friction is not positive, or the bodies differ by more than 1e10
-        in modulus or density.
+        If a body is not a `Material`, friction is not positive, or the bodies differ by more than
+        1e10 in modulus or density.
     ComputationError
-        If fewer growing waves are found than the principle of the argument counts.
+        If fewer growing waves are found than the argument principle counts.
 
     Examples
     --------

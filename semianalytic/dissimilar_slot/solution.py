@@ -228,7 +228,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        """Arrivals and fields at x and t, each with its error bar; as `Solution.reading`."""
         scene, profile = self.scene, self.profile
         load, base, rate = scene.superposition.taken_off, scene.base, self._rate_unit
         largest = max(abs(load.pressure), abs(load.shear))

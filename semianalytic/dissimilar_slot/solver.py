@@ -67,8 +67,8 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> PairSolution | Solution:
     scene : Scene
         A scene with a `lower_material`.
     rtol : float
-        Wanted accuracy, between 1e-10 and 1e-2, of all that `PairSolution.error_estimate` is said
-        to bound.
+        Wanted accuracy, between 1e-10 and 1e-2, of every quantity that
+        `PairSolution.error_estimate` bounds.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> PairSolution | Solution:
     ------
     SceneError
         If rtol is out of range, the scene is of another kind, the interface slips in a sense in
-        which friction between these bodies has no answer (the message says how fast waves grow), a
+        which sliding of these bodies is ill posed (the message says how fast waves grow), a
         Stoneley wave runs along the interface, or the contact opens under a viscous film.
 
     Examples

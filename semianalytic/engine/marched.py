@@ -62,7 +62,7 @@ class Marched(AnswerInBodies, SampledAnswer):
         Fields at the nodes and stored levels; on an even line x >= 0, next to a slot the observed
         contact alone.
     totals : Totals
-        Totals of the contact, at the begin and after every step.
+        Totals of the contact, at the beginning and after every step.
     seen : Extremes
         Largest values and onset times of slip over all steps, stored or not.
     status : str
@@ -160,13 +160,14 @@ class Marched(AnswerInBodies, SampledAnswer):
 
     @property
     def contact_misfit(self) -> float:
-        """How far the grid of a line has an end of a contact from its place, over the node
-        distance."""
+        """Largest displacement of an end of a contact by the grid of a line, over the node
+        distance.
+        """
         return self.scene.contact.misfit(self.scene.period, self.nodes, self.shift)
 
     @property
     def spacing(self) -> float:
-        """Distance of the nodes [length]."""
+        """Distance between nodes [length]."""
         return self.checkpoint.grid.spacing
 
     @property
@@ -289,13 +290,13 @@ class Marched(AnswerInBodies, SampledAnswer):
         """Return the fields next to an edge at which the contact of a line sticks.
 
         Nodal tractions there are off by 40 % at the first node and by 10 % five nodes on, and those
-        of different bodies alternate.  Divided by a grid's form of a crack tip, and averaged
+        of different bodies alternate.  Divided by the field of a crack tip on a grid, and averaged
         over three nodes, they are off by 0.5 to 2 % from the second node on.
 
         Parameters
         ----------
         edge : float
-            Begin or end of a part of the contact [length].
+            Beginning or end of a part of the contact [length].
         frame : int
             Index of the time in `interface.t`.
 
@@ -352,7 +353,7 @@ class Marched(AnswerInBodies, SampledAnswer):
 
     @cached_property
     def coarser(self) -> Any:
-        """The companion, whose stress is asked for as close to the interface as that of this."""
+        """The companion, whose stress is evaluated as close to the interface as here."""
         assert self.companion is not None
         other = replace(self.companion)
         # where `cached_property` keeps it
@@ -363,8 +364,8 @@ class Marched(AnswerInBodies, SampledAnswer):
     def field_error(self) -> float:
         """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
 
-        It is the difference from the companion at 60 random places of 12 depths until where waves
-        have come from x = 0, at the end; nan without a companion.
+        It is the difference from the companion at 60 random places of 12 depths, no further than
+        waves from x = 0 have come, at the end; nan without a companion.
         """
         if self.companion is None:
             return np.nan
@@ -412,7 +413,7 @@ class Marched(AnswerInBodies, SampledAnswer):
     def load(cls, path: str | PathLike[str], scene: Scene | None = None) -> Marched:
         """Read a march that `save` wrote.
 
-        A scene that has functions of Python, which no file can contain, is given.
+        If the scene has Python functions, which no file can contain, it must be given.
 
         Raises
         ------
@@ -420,7 +421,7 @@ class Marched(AnswerInBodies, SampledAnswer):
             If h5py is not installed.
         DataFileError
             If the file is missing, damaged or not a march, or a march on another contact or period,
-            or of a scene with functions of Python, which is not given.
+            or of a scene with Python functions that is not given.
         """
         given: dict[str, Any] = {} if scene is None else {"scene": scene}
         kept = Path(path), cls.saved_as, cls, "a file of one that this version saved", "march again"
@@ -429,5 +430,5 @@ class Marched(AnswerInBodies, SampledAnswer):
         if scene.on_line:
             alike = np.array_equal(known.x, grid_of(scene, march.nodes).x)
             if not (alike and np.array_equal(scene.contact.touches(known.x), known.touching)):
-                raise DataFileError(f"{path} is a march of another scene; load it with its own.")
+                raise DataFileError(f"{path} is a march of another scene; give its own scene.")
         return march

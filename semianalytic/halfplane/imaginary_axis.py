@@ -1,6 +1,6 @@
 """The impedance of a half-plane at imaginary slowness k = i eta, where it is real and smooth.
 
-A load that grows evenly to both sides of a point moves the interface evenly as well, and what it
+A load that is even about a point moves the interface evenly as well, and what it
 needs is integrals of M over the imaginary axis, not its Wiener-Hopf factors.
 """
 

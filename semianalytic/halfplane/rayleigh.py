@@ -225,7 +225,7 @@ class RayleighFactors:
         return np.asarray(16 * (1 - self.a**2) * (z * (z + e1) + e0) / conjugate)
 
     def impedance_ahead(self, at: CutPoints, mode: Mode | None = None) -> tuple[Array, Array]:
-        """Return real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
+        """Return real and imaginary part of the impedance M(-v + i0) where a < v < b (4.16)."""
         v, z, mode = at.v, np.square(at.v), mode or self.mode
         alpha, beta = np.sqrt(at.from_a * (v + self.a)), np.sqrt(-at.from_b * (v + 1))
         if mode == "III":
@@ -236,7 +236,7 @@ class RayleighFactors:
         return 4 * z * beta, -polynomial / alpha
 
     def impedance_behind(self, at: CutPoints, mode: Mode | None = None) -> Array:
-        """Return the impedance M(-v + i0) / i where v > b; M is imaginary there (4.17)."""
+        """Return the impedance M(-v + i0) / i where v > b; M is imaginary there (4.16)."""
         v, mode = at.v, mode or self.mode
         z, alpha2, beta2 = np.square(v), at.from_a * (v + self.a), at.from_b * (v + 1)
         if mode == "III":
@@ -256,7 +256,7 @@ class RayleighFactors:
         return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> Complex:
-        """Return the impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
+        """Return the impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.16)."""
         ahead = at.from_b < 0
         result = np.empty(at.v.shape, dtype=complex)
         real, imag = self.impedance_ahead(at[ahead], mode)

@@ -34,24 +34,27 @@ class Fit:
     values : (p,) array
         Estimates, in the units of the scene.
     covariance : (p, p) array
-        Covariance of the estimates by noise, and by the grid of a march, whose error at the gauges
-        is estimated from twice the nodes; infinite for parameters that the data do not constrain.
+        Covariance of the estimates due to noise and, for a march, due to the error of its grid at
+        the gauges, which is estimated from a march on twice the nodes; infinite for parameters that
+        the data do not constrain.
     interval : (p, 2) array
-        Lower and upper end of each value: there chi2, with the other values fitted anew, is one
-        above its least, and the error of the grid is added.  If chi2 is a parabola, this is one
-        standard error to either side; an end is infinite where the data set none.
+        Lower and upper end of the confidence interval of each value, at which chi2, minimised over
+        the other values, exceeds its minimum by one; the error of the grid is added.  If chi2 is a
+        parabola, this is one standard error to either side; an end is infinite if the data do not
+        bound it.
     chi2 : float
         Sum of squares of the misfits over the noise, and over the widths of priors.
     freedom : int
-        Number of samples and priors less that of parameters; chi2 is about as large if the noise is
-        right.
+        Number of samples and priors minus the number of parameters; chi2 is about as large if the
+        noise is stated correctly.
     unconstrained : tuple of str
         Parameters that the data do not constrain, alone or together.
     status : str
         "converged", or a sentence on what is unreliable. It also says so if the misfits, or the
         distances of estimates from their priors, would occur in only one fit in a million.
     solution : Solution
-        Solution of the scene with these parameters; of an interface its `run`, as `solution.run`.
+        Solution of the scene with these parameters; for a scene that is marched, `solution.run` is
+        the march.
     setup : Setup
         Set-up of the gauges with these parameters.
     gauges : tuple of Gauge
@@ -61,10 +64,10 @@ class Fit:
     chi2_of_minima : (m,) array
         chi2 at these minima.
     derivative_error : float
-        Relative error of the derivatives by differences that gauges in the bodies need; 0 without
-        any.
+        Relative error of the finite-difference derivatives that gauges in the bodies require; 0 if
+        there are none.
     solutions : int
-        Number of solutions that were computed one by one, without those of sweeps.
+        Number of solutions that were computed individually; those of `sweep` are not counted.
     trials : Trials
         Misfits of any values.
 
@@ -119,7 +122,7 @@ class Fit:
         number : int
             Place of the parameter.
         factor : float
-            By which numbers are multiplied, for another unit.
+            Factor by which the numbers are multiplied, for another unit.
 
         Returns
         -------
@@ -137,7 +140,9 @@ class Fit:
 
     @property
     def scene(self) -> Scene:
-        """The scene with the fitted parameters; a line has a period if the scene of the fit has."""
+        """The scene with the fitted parameters; its period is infinite if that of the given scene
+        was.
+        """
         scene, lengthens = self.solution.scene, getattr(self.trials, "lengthens", False)
         return replace(scene, period=np.inf) if lengthens else scene
 
@@ -174,7 +179,7 @@ class Fit:
         Returns
         -------
         float
-            -inf outside the bounds of a parameter, and where the values make no scene.
+            -inf outside the bounds of a parameter, and where the values give no admissible scene.
 
         Raises
         ------
@@ -198,7 +203,7 @@ class Fit:
 
     @property
     def residuals(self) -> tuple[Array, ...]:
-        """Record less fit for each gauge, in the units of its quantity."""
+        """Record minus fit for each gauge, in the units of its quantity."""
         return tuple(gauge.values - self.seen(gauge, gauge.t) for gauge in self.gauges)
 
     def seen(self, gauge: Gauge, t: Array) -> Array:
@@ -210,8 +215,8 @@ class Fit:
     def forecast(self, t: ArrayLike | None = None) -> tuple[Measured, ...]:
         """Return what each gauge would record without noise, with the errors of the fit.
 
-        They are standard errors that follow from the covariance of the fitted values; noise is no
-        part of them.
+        The errors are standard errors that follow from the covariance of the fitted values and do
+        not include noise.
 
         Parameters
         ----------
@@ -227,7 +232,7 @@ class Fit:
         Raises
         ------
         SceneError
-            If the times are no ascending numbers.
+            If the times are not ascending numbers.
         """
         gauges = tuple(_silent(gauge, gauge.t if t is None else t) for gauge in self.gauges)
         trials, scaled = self.trials.asking(gauges, self.setup), self.values / self.trials.sizes
@@ -239,7 +244,9 @@ class Fit:
 
     @cached_property
     def quoted(self) -> Quoted:
-        """Front speed, stress drop, fracture energy and S; it takes two solutions a parameter."""
+        """Front speed, stress drop, fracture energy and the strength ratio S; this requires two
+        solutions per parameter.
+        """
         return quoted(self.trials, self.solution, self.setup, self._deviations)
 
     def _deviations(self, slopes: Array) -> Array:

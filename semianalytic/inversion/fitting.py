@@ -57,20 +57,23 @@ def fit(
         name or file of a scene as for `find`.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
-        "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
-        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.  On a line any number
-        goes by its place in a file, such as "friction_law.distance" (docs/engine.md).
+        "load_shear", "viscosity", "shear_modulus", "density" of the scene; "angle", "wave_stress",
+        "wave_velocity" and "load_speed" of a wave or a moving load; "t0", "x0" and "gain" of the
+        set-up (`Setup`), and "gain:NAME" of the gauges of that name.  For a scene on a line,
+        any number of the scene is named by its key in a scene file, such as "friction_law.distance"
+        (docs/engine.md).
     priors : mapping from names to Normal, LogNormal or Uniform, optional
         Prior knowledge of parameters; it also limits the search.
     setup : Setup, optional
         Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
-        Accuracy of the solutions, as in `solve`; scenes on a line have `nodes`.
+        Accuracy of the solutions, as in `solve`; scenes on a line take `nodes` instead.
     nodes : int, optional
-        Nodes of a scene on a line, its own ones, or 512, by default.
+        Number of nodes of a scene on a line; by default that of the scene, or 512.
     progress : callable, optional
-        Called as ``progress(done, total)`` with the number of times that the gauges were computed
-        and how often the search will compute them at most, which is revised on the way.
+        Called as ``progress(done, total)``, where done is the number of times that the records of
+        the gauges were computed and total the largest number that the search will need, which is
+        revised on the way.
 
     Returns
     -------
@@ -83,7 +86,8 @@ def fit(
     ------
     SceneError
         If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, a
-        prior of none of them, or no solution or derivative at the first guess.
+        prior for a name that is not among the parameters, or no solution or derivative at the first
+        guess.
 
     Examples
     --------

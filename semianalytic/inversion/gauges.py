@@ -49,23 +49,25 @@ class Gauge:
     Parameters
     ----------
     x : float
-        Position along the contact [length]; in scenes positive for quantities of the interface.
+        Position along the interface [length]; next to a slot it must be positive for quantities of
+        the interface.
     t : (n,) array
         Times of the samples [time], ascending.
     values : (n,) array
         Samples, in the units of the scene.
     noise : float or (n,) array
-        Standard deviation of their errors, taken to be independent.
+        Standard deviation of the errors of the samples, which are assumed to be independent.
     quantity : str
         "slip_rate", "slip", "shear_traction" or "pressure" of the interface; or of the bodies:
         velocity "vx", "vy", displacement "ux", "uy", stress "sxx", "syy", "sxy" (tension positive,
         the base included as in `Solution.stress`) or strain since t = 0 "exx", "eyy", "exy"
-        (`exy` is half the angle), in antiplane shear also "vz", "uz", "sxz", "syz", "exz", "eyz".
+        (`exy` is half the shear angle), in antiplane shear also "vz", "uz", "sxz", "syz", "exz",
+        "eyz".
     y : float, optional
         Distance above the interface [length], negative in the lower body; required for quantities
         of the bodies, and for these only.
     name : str
-        Name of the gauge in messages and gains; "" for its place.
+        Name of the gauge in messages and gains; if it is "", messages give its position.
 
     Raises
     ------
@@ -165,7 +167,7 @@ def check_gauge(gauge: Gauge, scene: Scene) -> None:
     quantity = gauge.quantity
     if quantity in FIELDS and "z" in quantity and not scene.antiplane:
         raise SceneError(
-            f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
+            f'gauge: {quantity} is zero in this scene; it needs one with mode="antiplane".'
         )
 
 

@@ -50,7 +50,9 @@ class Normal:
         return self.mean - _SPREAD * self.sd, self.mean + _SPREAD * self.sd
 
     def misfit(self, value: float) -> tuple[float, float]:
-        """Return the distance of a value from the mean over the deviation, and its derivative."""
+        """Return the distance of a value from the mean divided by the standard deviation, and its
+        derivative.
+        """
         return (value - self.mean) / self.sd, 1 / self.sd
 
     def log_density(self, value: float) -> float:
@@ -68,7 +70,7 @@ class LogNormal:
     median : float
         Median, in the unit of the parameter, positive.
     factor : float
-        Factor above 1; two thirds of values lie between median / factor and median times factor.
+        Factor above 1; two thirds of the values lie between median / factor and median * factor.
 
     Raises
     ------
@@ -100,7 +102,9 @@ class LogNormal:
         return self.median / most, self.median * most
 
     def misfit(self, value: float) -> tuple[float, float]:
-        """Return the distance of the logarithm from its mean over the deviation, and its slope."""
+        """Return the distance of the logarithm from its mean divided by its standard deviation, and
+        the derivative with respect to the value.
+        """
         if value <= 0:
             return math.inf, math.inf
         size = math.log(self.factor)

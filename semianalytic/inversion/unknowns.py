@@ -27,18 +27,19 @@ _LONE_GAIN = "gain:"
 @checking_methods
 @dataclass(frozen=True)
 class Setup:
-    """The set-up of gauges: how the times, places and sizes of records relate to the scene.
+    """The set-up of gauges: how the times, positions and amplitudes of records relate to the scene.
 
     Attributes
     ----------
     t0 : float
-        Time of the records at which the load acts [time]: that of a trigger that came early.
+        Time, on the clock of the records, at which the load begins to act [time]; positive if the
+        trigger came early.
     x0 : float
         Position of the contact edge in the coordinates of the gauges [length].
     gain : float
         Factor by which all records are too large.
     gains : mapping
-        Such factors of single gauges, by name; both multiply.
+        Further factors for single gauges, by name; a record is multiplied by both.
 
     Examples
     --------

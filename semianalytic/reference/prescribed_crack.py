@@ -176,6 +176,6 @@ def prescribed_crack(
         wave = "Rayleigh" if factors.has_rayleigh_wave else "shear"
         raise SceneError(
             f"prescribed_crack: speed must be below that of the {wave} wave, {limit:.6g}, where "
-            f"tips take no energy, got {speed:.6g}."
+            f"tips absorb no energy, got {speed:.6g}."
         )
     return PrescribedCrack(material, speed, drop, mode, factors)

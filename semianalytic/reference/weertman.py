@@ -41,8 +41,8 @@ def weertman_pulse(
 ) -> WeertmanPulse:
     """The pulse that a uniform state of less shear traction than friction sustains.
 
-    V = (f p_0 - |tau_0|) / (f N), N = 1 / (v |D(v)|) at A(v) = 0; it runs the way in which the
-    slower body slides.
+    V = (f p_0 - |tau_0|) / (f N), N = 1 / (v |D(v)|) at A(v) = 0, with the functions A and D of
+    `dissimilar.compliance`; it runs in the direction in which the slower body slides.
 
     Parameters
     ----------

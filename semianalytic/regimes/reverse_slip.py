@@ -62,7 +62,7 @@ def _log_narrow_candidate(poisson_ratio: float, unknown: float) -> tuple[float, 
 
 
 def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
-    """Return ln of the friction below which a narrow strip at c_R reverses, shear alone stepped.
+    """Return ln of the friction below which a narrow strip at c_R reverses under a shear step.
 
     In a gap |v - c| < d the traction dips below +f p by (Im M)'(c) r sqrt(d^2 - (v - c)^2), r the
     residue of dV/dv, and d is twice the half-width w of the strip that the logarithm reverses.
@@ -86,7 +86,7 @@ def _least_traction(profile: Profile, gap: float) -> float:
 
 
 def reverse_threshold(poisson_ratio: float) -> float:
-    """Return the friction below which part of the interface slips backward, shear alone stepped.
+    """Return the friction below which part of the interface slips backward under a shear step.
 
     It is traced on one zone where reversal comes before slip at the shear front, on two zones
     otherwise, and by the closed form where the reversed strip is very narrow.

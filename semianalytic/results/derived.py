@@ -88,14 +88,14 @@ def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) ->
     thickness : float
         Thickness of the body along z [length].
     fringe_constant : float
-        Material fringe constant f_sigma [stress length] at the wavelength of the light, which is
-        that over the stress-optical coefficient.
+        Material fringe constant f_sigma [stress length]: the wavelength of the light over the
+        stress-optical coefficient.
 
     Raises
     ------
     SceneError
-        If thickness or fringe constant are not positive numbers, or the stress does not have 3 or
-        5 rows.
+        If thickness or fringe constant is not a positive number, or the stress does not have 3 or 5
+        rows.
 
     Examples
     --------

@@ -59,7 +59,7 @@ class Gridded:
 
     def save(self: Any, path: str | Path) -> None:
         """Write the answer as HDF5: a march as it is, with all that continues it; of an exact one
-        the scene and the settings of `solve`, of which `sf.load` solves it again.
+        the scene and the settings of `solve`, with which `sf.load` solves it again.
 
         The file appears under its name only when it is complete; missing folders are made.
 
@@ -217,8 +217,8 @@ class AnswerInBodies(Gridded):
         --------
         >>> import semianalytic as sa
         >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
-        >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
-        >>> answer = sa.solve(pair, rtol=1e-6)
+        >>> base, load = sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6)
+        >>> answer = sa.solve(sa.Scene(gouge, 0.4, base, load, lower_material=rock), rtol=1e-6)
         >>> answer.velocity(1.0, [0.0, -0.0], 2e-3)[0].round(3)  # the slip rate is 0.25
         array([ 0.141, -0.109])
         """
@@ -234,8 +234,8 @@ class AnswerInBodies(Gridded):
             sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
             The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); they do not
             determine the initial sigma_xx, so that one is the change since t = 0.  Base tractions
-            and loads on the line that vary along x determine no stress away from it: of these a
-            march has the change that slip makes alone.  At the contact edge the value is that just
+            and loads on the line that vary along x determine no stress away from it: for these a
+            march gives only the change due to slip.  At the contact edge the value is that just
             ahead of it, where that is finite.
         """
         return np.asarray(self._bodies.stress(x, y, t))

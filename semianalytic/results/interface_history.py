@@ -35,7 +35,7 @@ class InterfaceHistory:
         Opening of the contact [length], 0 where it is closed, and the change of their width on
         slots.
     mask : (n,) array of bool, optional
-        Whether the bodies touch at these positions; where there is none they touch at all of them.
+        Whether the bodies touch at these positions; without it they touch at all of them.
     state, felt_pressure : (m, n) arrays, optional
         State of friction, nan on slots, and the pressure that friction follows [stress], that of
         the contact unless the law has a delay.

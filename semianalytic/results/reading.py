@@ -32,7 +32,7 @@ _DRIVEN = ("slip", "slip_rate", "shear_traction")
 
 
 class Measured(NamedTuple):
-    """A value and the bar of its error, arrays of one shape and unit.
+    """A value and its error bar, arrays of one shape and unit.
 
     The bar is meant as a bound; it is inf where nothing is known about the error.
 

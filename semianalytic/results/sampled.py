@@ -250,13 +250,13 @@ class SampledAnswer(Gridded):
         return tuple(self._on_parts(gap, open_intervals))
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Return arrivals and fields at x until t, each with a bar of its error.
+        """Return arrivals and fields at x until t, each with its error bar.
 
         A bar is 1.6 times the largest difference from the companion with half the nodes, within
         two of its nodes around the point and as far in time, and at least its mean over the
         contact, on a line over that part which has slipped; openings that no node shows are added.
-        Arrivals have the time a shear wave takes between two of these nodes besides.  It is inf
-        without a companion.  Read `status` too: bars do not hold where it says "unresolved".
+        For arrivals the time a shear wave takes between two of these nodes is added.  It is inf
+        without a companion.  Read `status` too: bars are not valid if it says "unresolved".
 
         Parameters
         ----------

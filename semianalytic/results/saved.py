@@ -98,7 +98,7 @@ def _read(group: Any, make: type[Made], known: dict[str, Any]) -> Made:
             value = json.loads(group.attrs[name])
             if kind is Scene and '{"function": ' in group.attrs[name]:
                 raise DataFileError(
-                    "the file holds the answer of a scene with functions of Python, which no file "
+                    "the file holds the answer of a scene with Python functions, which no file "
                     "can contain; give the scene as well: sf.load(path, scene)."
                 )
             values[name] = scene_from_document(value) if kind is Scene else value

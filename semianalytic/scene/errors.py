@@ -36,7 +36,7 @@ class DataFileError(SlipfrontError):
 
 
 class ComputationError(SlipfrontError):
-    """A computation failed: it went unstable or did not converge."""
+    """A computation failed: it became unstable or did not converge."""
 
     exit_code = 4
 

@@ -156,7 +156,7 @@ class IncidentWave:
         return Tractions(-sigma["yy"] + 0.0, sigma["yz" if self.kind == "SH" else "xy"])
 
     def derivatives(self, material: Material, by: str) -> tuple[Tractions, float]:
-        """Return the derivatives of `tractions` and `slowness` by one parameter.
+        """Return the derivatives of `tractions` and `slowness` with respect to one parameter.
 
         Parameters
         ----------
@@ -219,7 +219,8 @@ class MovingLoad:
         the front comes along the slot at speed |w| and reaches the tip at t = 0; behind it the slot
         is loaded.
     pressure : float
-        Pressure taken off the slot faces [stress]; negative presses on them and opens the contact.
+        Pressure taken off the slot faces [stress]; a negative one presses on them and opens the
+        contact.
     shear : float
         Shear traction taken off the slot faces [stress].
 

@@ -34,8 +34,8 @@ class Tractions:
     Parameters
     ----------
     pressure : float or field
-        Contact pressure, positive in compression [stress]; a number, or a function of x or a
-        `Table`, which a march alone takes.
+        Contact pressure, positive in compression [stress]; a number, or for marches also a function
+        of x or a `Table`.
     shear : float or field
         Shear traction sigma_xy on y = 0, sigma_yz in antiplane shear [stress].
 
@@ -63,11 +63,11 @@ class Tractions:
         return Tractions(self.pressure + other.pressure, self.shear + other.shear)
 
     def tractions(self, material: Material) -> Tractions:
-        """Return the tractions of this load, themselves in any solid."""
+        """Return the tractions of this load, the same in any solid."""
         return self
 
     def slowness(self, material: Material) -> float:
-        """Return the slowness of its front along x, 0: it comes everywhere at once."""
+        """Return the slowness of its front along x, 0: it acts everywhere at once."""
         return 0.0
 
 
@@ -83,14 +83,16 @@ class LineLoad:
         return Tractions(self.pressure, self.shear)
 
     def slowness(self, material: Material) -> float:
-        """Return the slowness of its front along x, 0: it has none that runs over the slot."""
+        """Return the slowness of its front along x; 0, since it has no front that moves over the
+        slot.
+        """
         return 0.0
 
 
 @with_quantities
 @dataclass(frozen=True)
 class Patch(LineLoad):
-    """Tractions that act at once on a stretch |x| < speed * t, which grows from a point.
+    """Tractions that act suddenly on the interval |x| < speed * t, which grows from a point.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ class Patch(LineLoad):
 
 @dataclass(frozen=True)
 class PointForce(LineLoad):
-    """A line force on the interface at x = 0 that grows evenly in time, F = rate * t.
+    """A line force on the interface at x = 0 that grows linearly in time, F = rate * t.
 
     It is the limit of a `Patch` whose speed tends to 0 at constant rate = 2 * speed * stress.
 
@@ -160,7 +162,7 @@ class PointForce(LineLoad):
 @with_quantities
 @dataclass(frozen=True)
 class HalfLine(LineLoad):
-    """Tractions that act at once on all of x < 0.
+    """Tractions that act suddenly on all of x < 0.
 
     Parameters
     ----------

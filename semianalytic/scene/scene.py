@@ -72,7 +72,7 @@ class Scene(AlongLine):
 
     Bodies touch on x > 0, next to an open slot x < 0, unless `contact` says otherwise.  Contacts,
     fields that vary along x, several loads and laws with a state are marched along a line, which
-    `period`, `rate`, `plate_rate`, `held`, `even`, `adhesion` and `run` are for.  A field is a
+    `period`, `rate`, `plate_rate`, `held`, `even`, `adhesion` and `run` describe.  A field is a
     number, a function of x, or a `Table`.
 
     Parameters
@@ -114,7 +114,7 @@ class Scene(AlongLine):
     rate : field
         Slip rate at t = 0 [length / time], at which a law with a state carries the base shear.
     plate_rate : float
-        Slip rate of the bodies far away [length / time]; the memory acts on the difference.
+        Slip rate of the bodies far away [length / time]; they respond to the difference from it.
     held : float
         Wavelength [length] of the slip whose stiffness resists the mean slip.  With inf no
         stiffness does, and the mean slip only radiates.
@@ -130,9 +130,9 @@ class Scene(AlongLine):
     ------
     SceneError
         If friction is negative or not finite, if the mode or the place of the load is unknown, if
-        the base, alone or with a remote load, is a tension, if the base cannot
-        be at rest, if a remote load is no step, or if friction falls with slip rate faster than
-        radiation can balance under the pressure in place.
+        the base, alone or with a remote load, is tensile, if the base cannot be at rest, if a
+        remote load is no step, or if friction falls with slip rate faster than radiation can
+        balance under the pressure in place.
 
     Examples
     --------
@@ -441,7 +441,7 @@ class Scene(AlongLine):
     def is_self_similar(self) -> bool:
         """Whether all fields depend on x/t alone: step loads, friction independent of slip.
 
-        The front of a load that comes along the slot must be ahead of all waves besides.
+        In addition, the front of a load that comes along the slot must be ahead of all waves.
         """
         return self.is_step and self.law.keeps_similarity and not self.front_too_slow
 

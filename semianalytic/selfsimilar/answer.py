@@ -112,8 +112,9 @@ class SelfSimilarAnswer(Gridded):
         return np.asarray(total)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Return strength less shear traction [stress] where it sticks, 0 where it slips or is
-        open; raises like `slip_rate`."""
+        """Return strength minus |shear traction| [stress] where the interface sticks, 0 where it
+        slips or is open; raises like `slip_rate`.
+        """
         strength = self.scene.strength(self.pressure(x, t), self.slip_rate(x, t))
         margin = strength - np.abs(self.shear_traction(x, t))
         return np.where(is_open(self.openings, x, t), 0.0, margin)
@@ -121,7 +122,8 @@ class SelfSimilarAnswer(Gridded):
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
         """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
 
-        Slip is that of closed parts, and of either sense also the motion of open ones.
+        "forward" and "reverse" refer to closed parts only; "slip" includes the motion of open
+        parts.
         """
         if checked_arrival(of) == "opening":
             return first_times(x, self.openings)

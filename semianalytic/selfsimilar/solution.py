@@ -233,7 +233,7 @@ class Solution(ContactTotals, AnswerInBodies):
         [time].
 
         It is x over the speed of the first edge that comes by, as exact as that edge;
-        `reading(x, t).arrivals` holds it with its error.
+        `reading(x, t).arrivals` gives it with its error.
 
         Parameters
         ----------
@@ -259,11 +259,11 @@ class Solution(ContactTotals, AnswerInBodies):
         return first_times(x, (zone for zone in self._motion if zone.sense in senses))
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Return arrivals and fields at x until t, each with a bar of its error.
+        """Return arrivals and fields at x until t, each with its error bar.
 
-        Errors of edges are `error_estimate` times c_t.  Those of fields are that share of the
-        scales at `error_estimate`, and what a shift of all edges by their error changes, so that
-        they hold near edges and at c_R as well.  All bars are inf if the solution breaks
+        Errors of edges are `error_estimate` times c_t.  Those of fields are `error_estimate` times
+        the scales listed there, plus the change due to a shift of all edges by their error, so that
+        they are valid near edges and at c_R as well.  All bars are inf if the solution breaks
         Coulomb's law.
 
         Parameters
@@ -321,7 +321,7 @@ class Solution(ContactTotals, AnswerInBodies):
         SceneError
             If there is no such parameter, or no derivative with respect to it in this scene.
         ComputationError
-            If the zones on either side are of another kind, however near.
+            If the set of zones changes at this value of the parameter.
         """
         from semianalytic.selfsimilar.derivatives.derivative import differentiated
 

@@ -59,7 +59,7 @@ class Sweep:
     origin : tuple of str
         Origin of each solution.  "from scratch": solved without help from neighbours; "computed":
         edges corrected from a prediction, and checked like those from scratch; "interpolated"
-        between solutions with the same zones, and corrected on a rule that is loose.
+        between solutions with the same zones, and corrected with a coarse quadrature rule.
 
     Examples
     --------
@@ -201,7 +201,8 @@ def sweep(
 ) -> Sweep:
     """Solve a scene for many friction coefficients and Poisson ratios, faster than one by one.
 
-    Edges are followed from value to value, so the time per solution falls with their number.
+    Edges are followed from value to value, so the time per solution falls with the number of
+    values.
 
     Parameters
     ----------
@@ -220,9 +221,9 @@ def sweep(
     -------
     Sweep
         Solutions that are "from scratch" or "computed" have passed the same checks as that of
-        `solve`.  Those "interpolated" lie between these.  Their edges fulfil the
-        edge conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
-        inequalities are checked there to 1e-3, near other zones to `rtol` on the fine rule.
+        `solve`.  Those "interpolated" lie between these.  Their edges fulfil the edge conditions on
+        a quadrature rule as coarse as neighbours show to be enough; Coulomb's inequalities are
+        checked there to 1e-3, near other zones to `rtol` on the fine rule.
 
     Raises
     ------

@@ -39,8 +39,8 @@ class GrowingSolution(SelfSimilarAnswer):
         "converged", or a sentence that says which values are not to be trusted.
     error_estimate : float
         Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
-        totals, and of the shear traction over strength plus load.  It is the distance of the
-        traction behind the edge from the strength.
+        totals, and of the shear traction over strength plus load.  It is the relative difference
+        between the traction behind the edge and the strength.
     zone : GrowingZone
         The fields over x/t, dimensionless.
 
@@ -73,7 +73,7 @@ class GrowingSolution(SelfSimilarAnswer):
 
     @property
     def sense(self) -> int:
-        """+1 where the upper side slips towards +x, -1 towards -x."""
+        """+1 if the upper side slips towards +x, -1 if it slips towards -x."""
         return 1 if self.load.shear > 0 else -1
 
     @property
@@ -88,7 +88,7 @@ class GrowingSolution(SelfSimilarAnswer):
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:
-        """None: pressure grows everywhere."""
+        """Empty, since the pressure grows everywhere."""
         return ()
 
     @property
@@ -134,7 +134,7 @@ class GrowingSolution(SelfSimilarAnswer):
         return np.zeros(self._velocity(x, t)[0].shape)
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        """Arrivals and fields at x and t, each with its error bar; as `Solution.reading`."""
         load, time = self.load, np.maximum(np.asarray(t, dtype=float), 0.0)
         stress = (load.pressure + abs(load.shear)) * time**load.power
         scales = {"slip": self.max_slip(t), "slip_rate": abs(self.edge_slip_rate(t)), "gap": 0.0}
@@ -207,8 +207,8 @@ def solve(scene: Scene) -> GrowingSolution:
     Raises
     ------
     SceneError
-        If there is a base, with which the edge of slip accelerates (a march computes that case), or
-        no closed form is known: the edge of slip would be faster than the Rayleigh wave, or the
+        If the base is not zero, so that the edge of slip accelerates (a march computes this case),
+        or no closed form is known: the edge of slip would be faster than the Rayleigh wave, or the
         shear traction reaches the strength ahead of it.
 
     Examples

@@ -27,9 +27,9 @@ from semianalytic.whole_line.spreading import Spreading
 class LineSolution(SelfSimilarAnswer):
     """Self-similar slip or opening of a whole line around a growing patch or point force.
 
-    Fields broadcast over positions x [length], of either sign, and times t [time]; until t = 0
-    they are those of the base.  Slip and gap are relative, upper minus lower side.  Their rates
-    vanish like a square root at the edges, so that no edge has a stress intensity.
+    Fields broadcast over positions x [length], of either sign, and times t [time]; up to t = 0 they
+    are those of the base.  Slip and gap are relative, upper minus lower side.  Their rates vanish
+    like a square root at the edges, so that no edge has a stress intensity.
 
     Attributes
     ----------
@@ -91,9 +91,8 @@ class LineSolution(SelfSimilarAnswer):
 
     @property
     def edge_amplitude(self) -> float:
-        """A of the rate A sqrt(1 - |x| / (edge_speed t)) of slip or opening next to an edge.
-
-        It is relative, positive, in [length / time].
+        """Amplitude A of the relative rate A sqrt(1 - |x| / (edge_speed t)) of slip or opening next
+        to an edge; positive [length / time].
         """
         patch = self.spreading
         # At the edge ln ((y_p + y) / (y_p - y)) -> 2 y / y_p, and y -> sqrt(2 (1 - |x| / (xi_s
@@ -150,7 +149,7 @@ class LineSolution(SelfSimilarAnswer):
     def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
         """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
 
-        Slip of either sense is also the motion of the open part.
+        For "slip", the motion of the open part counts as well.
         """
         of = checked_arrival(of)
         moves = self.drive.opens if of == "opening" else of != "opening"
@@ -160,7 +159,7 @@ class LineSolution(SelfSimilarAnswer):
         return far / self.edge_speed if moves else np.full(far.shape, np.inf)
 
     def reading(self, x: ArrayLike, t: ArrayLike) -> Reading:
-        """Arrivals and fields at x and t, each with a bar of its error; as `Solution.reading`."""
+        """Arrivals and fields at x and t, each with its error bar; as `Solution.reading`."""
         drive, time = self.drive, np.maximum(np.asarray(t, dtype=float), 0.0)
         stress = abs(drive.base.pressure) + abs(drive.base.shear) + self._stress_unit
         # a rate has no largest value at the end of a patch, and slip none at a point force

@@ -23,7 +23,8 @@ def refuses(scene: Scene) -> None:
 def solve(scene: Scene) -> LineSolution | Solution:
     """Solve a scene without a slot for slip or opening around its load.
 
-    A `HalfLine` has the `Solution` of a slot, which moves in the same way on x > 0.
+    For a `HalfLine` the `Solution` of a scene with a slot is returned, since the interface moves in
+    the same way on x > 0.
 
     Raises
     ------

@@ -29,7 +29,7 @@ def docs(
         str | None,
         typer.Argument(
             metavar="PAGE",
-            help="Page to print, such as docs/limits.md or limits; all pages are listed without.",
+            help="Page to print, such as docs/limits.md or limits; without it all are listed.",
             autocompletion=lambda: sorted(pages()),
         ),
     ] = None,

@@ -156,7 +156,7 @@ class Session:
 
     def _send_file(self, form: str) -> None:
         if self._answer is None:
-            self._tell(message="There is no answer to take home.")
+            self._tell(message="There is no answer to download.")
             return
         name, mime, content = FILES[form](self._answer)
         text = base64.b64encode(content).decode()

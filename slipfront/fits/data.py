@@ -38,8 +38,9 @@ def read_gauges(
     `Gauge` (or sigma_xx, eps_xy, v_x, ...).  Units follow in brackets where they are not those of
     the scene.  A column `noise` or NAME_noise holds standard deviations in the same unit.  Rows of
     equal x and y form a gauge; rows without y, or with y = 0, belong to the interface.  All files
-    that `slipfront validate` reads are accepted as well, and their own statements apply:
-    motion of one face is doubled, and the base of the scene is added to changes of tractions.
+    that `slipfront validate` reads are accepted as well, and the conventions that their headers
+    state apply: motion of one face is doubled, and the base of the scene is added to changes of
+    tractions.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def read_gauges(
         Scene of the records.  Without it changes of tractions are refused.
     gauges : mapping from name to tuple, optional
         Quantity and place of each column, in tables with one column for each gauge, as
-        ``{"SG1": ("exx", 0.02, 0.0035)}``, or without y on the interface.  No other is read.
+        ``{"SG1": ("exx", 0.02, 0.0035)}``, or without y on the interface. No other column is read.
 
     Returns
     -------
@@ -63,7 +64,7 @@ def read_gauges(
     DataFileError
         If a file cannot be read, or holds nothing that can be fitted; the message names it.
     SceneError
-        If `noise` is no such mapping, or a number in it is out of range.
+        If `noise` is not such a mapping, or a number in it is out of range.
     """
     return gauges_and_notes(paths, noise, scene, gauges=gauges)[0]
 

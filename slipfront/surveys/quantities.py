@@ -51,7 +51,7 @@ QUANTITIES: Mapping[str, SurveyVariable] = {
         "length / time", "mean speed from where slip begins first to last"
     ),
     "slipped_length": SurveyVariable("length", "length of the contact on which slip has begun"),
-    "largest_gap": SurveyVariable("length", "largest gap at the times that a run keeps"),
+    "largest_gap": SurveyVariable("length", "largest gap at the times that a run stores"),
     "arrival": SurveyVariable("time", "when slip begins at a position", ("x",)),
     "front_speed": SurveyVariable(
         "length / time", "speed of the rupture front at a position", ("x",)

@@ -107,7 +107,7 @@ class SpecimenCase(LineCase):
     @property
     def later(self) -> str:
         """Words on the comparison after the time until which the run is compared; "" without."""
-        end, said = self.checked.t[-1], ", when the ends of the bodies are felt"
+        end, said = self.checked.t[-1], ", when waves from the ends arrive"
         return f"{said}, then meshes with one another until {end:.4g}" if end > self.until else said
 
     def remedy(self, resolution: int) -> str:

@@ -115,7 +115,7 @@ def _arrival_row(case: Case, name: str, window: FrontWindow, fields: list[Face])
     """Row of one front; None where no field has a signal there."""
     shear_speed = case.scene.material.shear_speed
     if not all(_late(case.simulation, field, window) for field in fields):
-        reason = "no step of the simulation is stored while it is on the record; store all of them"
+        reason = "no step is stored while the front is on the recorded part; store all of them"
         row = Row(name, "arrival", window.front / shear_speed, None, None, None, None, "c_t")
         return replace(row, obstacle=reason)
     samples = window.samples()

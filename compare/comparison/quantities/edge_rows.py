@@ -39,7 +39,7 @@ EDGE_FLOOR = 0.25
 """Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Among 220
 edges measured one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
 half this value there would have been four more."""
-SHALLOW = "the gap changes from mesh to mesh at its end by more than it is anywhere"
+SHALLOW = "the gap at its end changes from mesh to mesh by more than its largest value"
 """Obstacle of an end of an opening that cannot be read off."""
 NEARBY = 0.5
 """Part of a zone, or of the gap next to it, up to which edges of two meshes count as the same."""

@@ -31,8 +31,8 @@ KEYS = (
     *("period", "rate", "plate_rate", "held", "even"),
 )
 FINITE = (
-    "this is a specimen of finite size; simulate or compare it, or, until its sides are felt, "
-    "solve the half-planes of it (docs/specimens.md)."
+    "this is a specimen of finite size; simulate or compare it, or solve it as half-planes "
+    "until waves from its sides arrive (docs/specimens.md)."
 )
 
 

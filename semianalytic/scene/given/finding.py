@@ -47,7 +47,7 @@ def find(source: str | PathLike[str]) -> Scene:
     Parameters
     ----------
     source : str or path
-        A name that ``slipfront scenes`` lists (docs/scenes.md, docs/engine.md), also of an
+        A name that ``slipfront scenes`` lists (docs/scenes.md, docs/engine.md), also one from an
         installed package, or a path: anything that ends in .toml or exists as a file.
 
     Returns
@@ -57,8 +57,8 @@ def find(source: str | PathLike[str]) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such name or file, or the file describes none of them; the message says which
-        name is nearest, or which key to change.
+        If there is no such name or file, or the file does not describe a scene; the message says
+        which name is similar, or which key to change.
     PluginError
         If the package that brings the name is broken, or two packages bring it.
 

@@ -122,11 +122,11 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "point-load": NamedScene(
         Scene(_UNIT_SOLID, 1.0, _PRELOAD, PointForce(shear=1.0)),
-        "no slot: slip spreads from a point force that grows evenly in time",
+        "no slot: slip spreads from a point force that grows linearly in time",
     ),
     "growing-load": NamedScene(
         Scene(_UNIT_SOLID, 0.5, _NOTHING, GrowingLoad(1.0, 1.0)),
-        "pressure and shear on the slot grow evenly in time: one slip zone",
+        "pressure everywhere and shear on the slot grow linearly: one slip zone",
     ),
 }
 """Scenes by name; those of two different bodies are in units of the upper one."""

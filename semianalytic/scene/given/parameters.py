@@ -44,7 +44,7 @@ _MOVING: Mapping[str, Parameter] = {
     **TRACTIONS,
 }
 _FORCE: Mapping[str, Parameter] = {
-    "kind": Parameter("", "a force at x = 0 that grows evenly in time; there is no slot"),
+    "kind": Parameter("", "a force at x = 0 that grows linearly in time; there is no slot"),
     "pressure": Parameter("stress length / time", "its rate across the interface"),
     "shear": Parameter("stress length / time", "its rate along the interface, either sign"),
 }

@@ -46,7 +46,7 @@ def solids() -> Mapping[str, Solid]:
 def find_material(name: str) -> Material:
     """Return a solid that is known by name, in SI units.
 
-    A scene that is made of it is one in SI units.  docs/commands.md, "Solids", says where the
+    A scene made of it is in SI units.  docs/commands.md, "Solids", says where the
     numbers come from; replace them by those of your own specimen.
 
     Parameters
@@ -57,7 +57,7 @@ def find_material(name: str) -> Material:
     Raises
     ------
     SceneError
-        If there is no such solid; the message lists those there are.
+        If there is no such solid; the message lists all solids.
 
     Examples
     --------

@@ -47,7 +47,7 @@ def law_from_table(name: str, table: Any, coefficient: Any = None) -> Law:
     known = {field.name for field in fields(described)}  # type: ignore[arg-type]
     if "reduction" in values and "dynamic" in known and "reduction" not in known:
         if "dynamic" in values or finite(values.get("static")) is None:
-            raise SceneError(f"{name}: reduction goes with a number, static, and without dynamic.")
+            raise SceneError(f"{name}: reduction needs a number for static and excludes dynamic.")
         reduction = checked_number(
             f"{name}: reduction",
             values.pop("reduction"),

@@ -40,8 +40,8 @@ class Law(Alike, ABC):
     node; without a definition of `evolved` it is the path, the accumulated |slip|.  Fields of a
     dataclass may be numbers, functions of x or `Table`; methods receive them as arrays (n,) on the
     contact.  All arguments are arrays (n,); strength must not fall with slip rate faster than the
-    impedance.  A scene takes laws of numbers whose state is the path; the exact solver takes those
-    among them that define `rate_slopes`.
+    impedance.  A scene with a slot takes laws whose fields are numbers and whose state is the path;
+    the exact solver takes those that also define `rate_slopes`.
 
     Examples
     --------
@@ -83,7 +83,7 @@ class Law(Alike, ABC):
         """
 
     def rate_slopes(self, pressure: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
-        """Return the derivatives of strength by pressure, by |V|, by both and by |V| twice.
+        """Return the derivatives of strength with respect to p, |V|, both, and |V| twice.
 
         Only laws define it whose strength is a smooth function of pressure and slip rate, and
         proportional to pressure at rest: under steps they keep self-similarity.
@@ -113,7 +113,7 @@ class Law(Alike, ABC):
         return float((self.strength(none + 1, none, none) - self.strength(none, none, none))[0])
 
     def with_coefficient(self, coefficient: float) -> Self:
-        """Return the law with another coefficient at rest, and dynamic friction in its ratio to it.
+        """Return the law with another coefficient at rest; dynamic friction keeps its ratio to it.
 
         Raises
         ------
@@ -196,7 +196,7 @@ class Law(Alike, ABC):
         return np.asarray(np.maximum(stopping - rest, 0.0) / (impedance + slope))
 
     def steady_slope(self) -> Any:
-        """Return the slope of strength by speed if no speed changes it; None by default.
+        """Return the slope of strength over speed if it is constant; None by default.
 
         The unit is [stress time / length].
         """
@@ -204,13 +204,14 @@ class Law(Alike, ABC):
 
     @property
     def follows_state(self) -> bool:
-        """Whether the state matters: strength depends on it, or it is no path."""
+        """Whether the state matters: strength depends on it, or it is not the path."""
         return not (self.is_rated and follows_path(type(self)))
 
     def rate_slope(self, pressure: Array, speed: Array, state: Array) -> Array:
-        """Return the slope of strength by speed [stress time / length], by differences by default.
+        """Return the slope of strength over speed [stress time / length], by default from
+        differences.
 
-        It lengthens steps where it is large.
+        Steps are longer where it is large.
         """
         slope = self.steady_slope()
         if slope is not None:
@@ -227,7 +228,7 @@ class Law(Alike, ABC):
         """Return the largest fall of strength per path [stress / length].
 
         The grid has to resolve mu over it.  By default it is found from paths of 1e-30 to 1e30, ten
-        in each decade, and is 0 if the state is no path.
+        in each decade, and is 0 if the state is not the path.
         """
         if self.is_rated or not follows_path(type(self)):
             return 0.0
@@ -258,7 +259,7 @@ class Law(Alike, ABC):
         return {name: value for name, value in values.items() if callable(value)}
 
     def barrier_misfit(self, x: Array, spacing: float) -> float:
-        """Return how far a grid has ends of barriers from their places; see `sampling`."""
+        """Return how far a grid displaces the ends of barriers; see `sampling`."""
         return max((barrier_misfit(part, x, spacing) for part in self._along.values()), default=0.0)
 
     def with_wider_barriers(self, by: float) -> Self:

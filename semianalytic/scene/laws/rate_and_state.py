@@ -22,7 +22,7 @@ class RateAndState(DelayedLaw):
 
     The state theta [time] follows the ageing law, theta' = 1 - V theta / L, or the slip law,
     theta' = -(V theta / L) ln(V theta / L).  With `weakened` and `weakening_rate` steady friction
-    falls to f_w + (f - f_w) / (1 + (V / V_w)^8)^(1/8) at speed (flash heating; slip law).
+    falls to f_w + (f - f_w) / (1 + (V / V_w)^8)^(1/8) at high slip rates (flash heating; slip law).
 
     Parameters
     ----------

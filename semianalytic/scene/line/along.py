@@ -190,7 +190,7 @@ class AlongLine:
             known = ("SH",) if self.mode == "antiplane" else ("P", "SV")
             if isinstance(front, IncidentWave) and front.kind not in known:
                 raise SceneError(
-                    f"scene: a wave that arrives {self.mode} must be of kind "
+                    f"scene: an incident {self.mode} wave must be of kind "
                     f"{' or '.join(known)}, got {front.kind}."
                 )
             if self.even and isinstance(part, FrontLoad) and part.runs:

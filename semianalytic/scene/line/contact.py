@@ -30,7 +30,7 @@ class Contact:
     Parameters
     ----------
     intervals : sequence of (float, float), optional
-        Begin and end of each part [length]; the whole line by default.  An end may be infinite.
+        Beginning and end of each part [length]; the whole line by default.  An end may be infinite.
 
     Raises
     ------
@@ -92,7 +92,7 @@ class Contact:
 
     @property
     def ends_with_period(self) -> bool:
-        """Whether an unbounded part meets an unbounded slot: one half-line of two.
+        """Whether the contact extends to infinity on one side only.
 
         The contact of a periodic line then ends where the period does.
         """
@@ -108,7 +108,7 @@ class Contact:
         return float(np.diff([*ends, ends[0] + length]).min())
 
     def misfit(self, length: float, nodes: int, shift: float = 0.0) -> float:
-        """Return how far the grid of a period has an end of a contact from its place.
+        """Return how far the grid of a period displaces the ends of contacts.
 
         A grid has ends midway between two of its nodes.  The result is the largest distance over
         the node distance, 0 to 1/2, on a grid that is moved by `shift` [length].
@@ -118,10 +118,10 @@ class Contact:
         return float(np.max(np.where(off > FITS, off, 0.0), initial=0.0))
 
     def shift(self, length: float, nodes: int) -> float:
-        """Return by how much a grid is to be moved to have ends in their places [length].
+        """Return by how much to move a grid so that the ends are in their places [length].
 
-        It is 0 where they fit as it is, and otherwise what suits the ends best: on half the nodes,
-        whose cells are those of two nodes each, it is the better one of two such distances.
+        It is 0 if they fit without it, and otherwise displaces the ends least: two distances, a
+        cell apart, do so, and the one returned is better on half the nodes.
         """
         if self.misfit(length, nodes) == 0:
             return 0.0
@@ -137,10 +137,10 @@ class Contact:
         return min(nearest, other, key=lambda shift: self.misfit(length, nodes // 2, shift))
 
     def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
-        """Return a contact shorter by one of half the nodes where a grid displaces its ends.
+        """Return a contact shorter by one node of a grid of half the nodes at each displaced end.
 
-        The change of the answer measures the error of the ends of the grid, which lie `misfit` of
-        its node distances off: half that part of one node of the coarser grid.
+        The change of the answer measures the error due to the displaced ends, which are `misfit`
+        node distances off: half that share of a node of the coarser grid.
         """
         cell = 2 * length / nodes
 
@@ -166,12 +166,12 @@ class Contact:
         least : int
             Fewest nodes of the period.
         halvings : int
-            How often the number of nodes should be halved with ends that still fit; if none such
-            is found, fewer times.
+            How often the number of nodes can be halved so that the ends still fit; fewer times if
+            no such number is found.
         movable : bool
-            Whether the grid may be moved (`shift`).  If the ends fit nowhere, a movable one has
-            the nodes, up to one and a half times `least`, on half of which they are close to their
-            places (`CLOSE`) or least misplaced, and any other one has `least`.
+            Whether the grid may be moved (`shift`).  If the ends fit on no grid, a movable one has
+            the number of nodes, up to one and a half times `least`, on half of which they are least
+            misplaced, and any other one has `least`.
         """
         for times in range(halvings, -1, -1):
             unit = max(4, 2**times)

@@ -103,8 +103,8 @@ class Table(Alike):
         Parameters
         ----------
         path : str or path
-            The file.  Its first column is x; units stand in brackets, behind _ (pressure_MPa) or
-            in a row of their own below the names.
+            The file.  Its first column is x; units are in brackets, after _ (pressure_MPa) or in a
+            row of their own below the names.
         column : str, optional
             Name of the column that holds the values, with or without its unit; the second one by
             default.

@@ -24,7 +24,7 @@ from semianalytic.scene.quantities import with_quantities
 @with_quantities
 @dataclass(frozen=True, eq=False)
 class InterfaceLoad(Alike):
-    """Tractions that act from t = 0 on: fields along x times a history of time.
+    """Tractions that act from t = 0 on: fields along x times a history.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ class OpenDerivative:
 @checking_methods
 @dataclass(frozen=True, eq=False)
 class Derivative:
-    """Derivatives of a solution with respect to one parameter of its scene, all others held.
+    """Derivatives of a solution with respect to one parameter of its scene, all others fixed.
 
     Fields broadcast over positions x > 0 [length] and times t [time], in units of the field per
     unit of the parameter. They hold for the present set of zones, whose edges move.
@@ -99,8 +99,8 @@ class Derivative:
     openings : tuple of OpenDerivative
         From the contact edge outward, like `Solution.openings`.
     status : str
-        "converged"; a sentence where zones are about to change, so that the derivative holds to
-        one side only, or what to distrust in the solution.
+        "converged"; a sentence where zones are about to change, so that the derivative is valid on
+        one side only, or on what is unreliable in the solution.
     varied : VariedProfile
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float

@@ -30,7 +30,7 @@ from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
 NOISES = {name: DIMENSIONS[name] for name in QUANTITIES}
-_UNITS = "Units and conventions of the file (of the scene, and as given, unless stated)"
+_UNITS = "Units and conventions of the file (by default those of the scene, and as given)"
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
@@ -42,11 +42,11 @@ UNIT_OPTIONS: Mapping[str, Any] = {
 }
 CONVENTIONS: Mapping[str, Any] = {
     "sign": options.optional(str, _UNITS, "Sense of slip and shear: as-given or reversed."),
-    "slip": options.optional(str, _UNITS, "relative, half, or face: that of one face."),
+    "slip": options.optional(str, _UNITS, "Slip: relative, half, or face (that of one face)."),
     "pressure": options.optional(str, _UNITS, "Positive pressure: compression or tension."),
-    "tractions": options.optional(str, _UNITS, "total, or changes: those since t = 0."),
+    "tractions": options.optional(str, _UNITS, "Tractions: total, or changes since t = 0."),
     "rate": options.optional(
-        str, _UNITS, "Slip rate at its time, point, or the mean over the step before or after it."
+        str, _UNITS, "Slip rate: at its time (point), or mean over the step before or after it."
     ),
     "time_shift": options.optional(
         float, _UNITS, "Added to the times, in units of the scene [time].", dimension="time"

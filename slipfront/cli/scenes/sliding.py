@@ -38,14 +38,14 @@ def sliding(
             "12GPa,2300kg/m3,0.25, or a solid known by name, such as steel.",
         ),
     ],
-    lower: Annotated[str, typer.Option(metavar=_BODY, help="The same of the lower body.")],
+    lower: Annotated[str, typer.Option(metavar=_BODY, help="The same for the lower body.")],
     friction: Annotated[float, measured_option("1", "Coulomb friction coefficient.")],
     as_json: AsJson = False,
 ) -> None:
-    """Find whether waves grow while two bodies slide, how fast, and the friction without growth.
+    """Find whether and how fast waves grow while two bodies slide, and above which friction.
 
-    As slipfront sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction 0.4, in any one
-    system of units, or with units.
+    For example slipfront sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction 0.4, in
+    any one system of units, or with units.
     """
     numbers = {name: _numbers(name, text) for name, text in (("upper", upper), ("lower", lower))}
     sized = [isinstance(number, InSI) for given in numbers.values() for number in given[:2]]

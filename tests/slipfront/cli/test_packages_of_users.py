@@ -193,7 +193,7 @@ def test_names_of_packages_are_among_what_one_could_have_meant(granite, refused)
     assert "did you mean slip?" in refused("solve stuck --plot a.png --figure slipp")
     document = scene_document(sf.find("granite"))
     document["friction_law"]["kind"] = "else"
-    with pytest.raises(sf.SceneError, match="forced-front, hyperbolic-weakening, got 'else'"):
+    with pytest.raises(sf.SceneError, match="hyperbolic-weakening, got 'else'"):
         scene_from_document(document)
 
 
