@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,8 @@ from fem.settings import COMPANIONS, LEAST_RESOLUTION, Pace, Settings
 from fem.snapshots import companion_folder
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
+
+_log = logging.getLogger(__name__)
 
 
 @checking
@@ -67,6 +70,8 @@ def with_companions(
     carrying = chain.pop()
     while chain:
         carrying = replace(chain.pop(), companion=carrying)
+    if simulation.companion is None and _log.isEnabledFor(logging.INFO):  # it takes time
+        _log.info("simulate: error estimate %.1e of the slip rate", carrying.error_estimate)
     return carrying
 
 

@@ -153,7 +153,8 @@ def run_plan(
     """
     model = build(plan)
     seconds = dict(model.seconds)
-    _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
+    grid = plan.settings.mesh, plan.size, model.unknowns
+    _log.info("simulate: %s, %s of side %.6g, %d unknowns", plan.name, *grid)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = MeshRecord(model), run_identity(model)
         run = run_name(identity)
@@ -174,7 +175,8 @@ def run_plan(
                     raise KeyboardInterrupt
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
-    _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
+    took = model.steps, plan.end_time, seconds["steps"]
+    _log.info("simulate: %d steps to t = %.6g in %.3g s", *took)
     settings = plan.settings
     return Simulation(
         scene=plan.scene,

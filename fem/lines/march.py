@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time as clock
 from collections.abc import Callable
@@ -233,6 +234,10 @@ def marched(
                 raise KeyboardInterrupt
             if progress is not None and level:
                 progress(min(level, steps), steps)
+    seconds = clock.perf_counter() - started
+    work = line.spacing, march.unknowns, steps, end_time, seconds
+    message = "squares of side %.6g, %d unknowns, %d steps to t = %.6g in %.3g s"
+    logging.getLogger(__name__).info(message, *work)
     return LineSimulation(
         x=line.x,
         touching=line.touching,
@@ -241,7 +246,7 @@ def marched(
         imbalance=imbalance(march),
         steps=steps,
         unknowns=march.unknowns,
-        seconds=clock.perf_counter() - started,
+        seconds=seconds,
         gauges=None if gauges is None else gauges.history(step, steps),
     )
 

@@ -233,8 +233,7 @@ def _options(arguments: Sequence[str]) -> set[str]:
     options: set[str] = set()
     for word in arguments:
         commands = getattr(command, "commands", {})
-        if word not in commands:
-            break
-        command = commands[word]
-        options |= {param.name for param in command.params if param.param_type_name == "option"}
+        if word in commands:  # words before it, such as --log info, are options of all commands
+            command = commands[word]
+            options |= {each.name for each in command.params if each.param_type_name == "option"}
     return options
