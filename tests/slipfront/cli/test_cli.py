@@ -36,6 +36,7 @@ def test_an_open_contact_edge_has_no_intensity_and_no_minus(shown):
     (line,) = [line for line in said.splitlines() if "K_I" in line]
     assert "0, 0" in line
     assert "-0" not in line
+    assert " -0 " not in shown("solve ramp --nodes 32 --length 100 --no-estimate", 4).out
 
 
 def test_a_plot_is_of_the_time_that_is_asked_for(tmp_path, shown):
