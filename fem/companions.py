@@ -16,8 +16,6 @@ from fem.snapshots import companion_folder
 from semianalytic.scene.arguments import checking
 from semianalytic.scene.errors import SceneError
 
-_log = logging.getLogger(__name__)
-
 
 @checking
 def with_companions(
@@ -70,8 +68,9 @@ def with_companions(
     carrying = chain.pop()
     while chain:
         carrying = replace(chain.pop(), companion=carrying)
-    if simulation.companion is None and _log.isEnabledFor(logging.INFO):  # it takes time
-        _log.info("simulate: error estimate %.1e of the slip rate", carrying.error_estimate)
+    log = logging.getLogger(__name__)
+    if simulation.companion is None and log.isEnabledFor(logging.INFO):  # it takes time
+        log.info("simulate: error estimate %.1e of the slip rate", carrying.error_estimate)
     return carrying
 
 

@@ -235,9 +235,8 @@ def marched(
             if progress is not None and level:
                 progress(min(level, steps), steps)
     seconds = clock.perf_counter() - started
-    work = line.spacing, march.unknowns, steps, end_time, seconds
-    message = "squares of side %.6g, %d unknowns, %d steps to t = %.6g in %.3g s"
-    logging.getLogger(__name__).info(message, *work)
+    work = line.spacing, march.unknowns, steps, seconds
+    logging.getLogger(__name__).info("squares of side %.6g, %d unknowns, %d steps in %.3g s", *work)
     return LineSimulation(
         x=line.x,
         touching=line.touching,

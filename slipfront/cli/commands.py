@@ -16,7 +16,7 @@ import typer
 from rich.markup import escape
 from typer.core import TyperGroup
 
-from semianalytic.scene.checks import checked_word, shown
+from semianalytic.scene.checks import checked_word
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.plugins import plugin_at_fault
@@ -198,9 +198,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"), unread_said(as_json="--json" in arguments):
-            for word in arguments:  # the system gives none of them; a caller in Python may
-                if "\0" in word:
-                    raise SceneError(f"{shown(word)} contains a NUL character; leave it out.")
+            if any("\0" in word for word in arguments):  # no system gives it, callers in Python may
+                raise SceneError("The command contains a NUL character; leave it out.")
             command_for(arguments)(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
