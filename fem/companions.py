@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -67,6 +68,9 @@ def with_companions(
     carrying = chain.pop()
     while chain:
         carrying = replace(chain.pop(), companion=carrying)
+    log = logging.getLogger(__name__)
+    if simulation.companion is None and log.isEnabledFor(logging.INFO):  # it takes time
+        log.info("simulate: error estimate %.1e of the slip rate", carrying.error_estimate)
     return carrying
 
 

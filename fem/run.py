@@ -156,7 +156,8 @@ def run_plan(
     """
     model = build(plan)
     seconds = dict(model.seconds)
-    _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
+    grid = plan.settings.mesh, plan.size, model.unknowns
+    _log.info("simulate: %s, %s of side %.6g, %d unknowns", plan.name, *grid)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = MeshRecord(model), run_identity(model)
         run = run_name(identity)

@@ -57,13 +57,13 @@ def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
 
 
 def critical_step(frequency: float, damping_time: float) -> float:
-    """Return the largest stable time step, (2/omega) (sqrt(1 + z^2) - z), z = eta omega / 2.
+    """Return the largest stable time step, (2/omega) / (sqrt(1 + z^2) + z), z = eta omega / 2.
 
     omega is the largest eigenfrequency [1 / time], and eta that of the damping C = eta K, taken at
     the past half-step [time].
     """
     z = damping_time * frequency / 2
-    return 2 / frequency * (float(np.hypot(1.0, z)) - z)
+    return 2 / frequency / (float(np.hypot(1.0, z)) + z)
 
 
 STRIP = 65536

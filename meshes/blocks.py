@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from semianalytic.scene.checks import checked_word
+from semianalytic.scene.checks import checked_word, shown
 from semianalytic.scene.errors import SceneError
 
 PATTERNS = ("squares", "triangles")
@@ -54,8 +54,9 @@ class Blocks:
             )
         if self.elements > MOST_ELEMENTS:
             raise SceneError(
-                f"mesh: {self.elements} elements are more than {MOST_ELEMENTS}; "
-                "lower `resolution`, leave snapshots off, or lower `poisson_ratio`."
+                f"mesh: {shown(self.elements)} elements are more than {MOST_ELEMENTS}; lower "
+                "`resolution`, leave snapshots off, or lower `poisson_ratio` or the wave speed of "
+                "the lower body."
             )
 
     @property

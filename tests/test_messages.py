@@ -8,6 +8,7 @@ import packages
 import pytest
 
 import slipfront as sf
+from fem import with_companions
 
 PACKAGES = ("slipfront", "semianalytic", "fem", "meshes", "compare")
 COLOURED = re.compile("\x1b\\[[0-9;]*3[0-9]")
@@ -30,7 +31,12 @@ def test_a_program_hears_what_it_asks_for(caplog):
     assert said.message.startswith("a Scene by self-similar: <Solution: slip at")
     with caplog.at_level(logging.INFO, logger="semianalytic"):
         sf.sweep(sf.find("preloaded"), [0.2, 0.3])
-    assert caplog.records[-1].message.startswith("<Sweep: 2 friction coefficients")
+    assert caplog.records[-1].message.startswith("a Scene by self-similar: <Sweep: 2 friction")
+    with caplog.at_level(logging.INFO, logger="fem"):
+        done = with_companions(sf.simulate("preloaded", resolution=16))
+    model, *_, estimate = (row.message for row in caplog.records if row.name.startswith("fem"))
+    assert model == "simulate: antisymmetric half, squares of side 0.0625, 3450 unknowns"
+    assert f"error estimate {done.error_estimate:.1e}" in estimate
 
 
 def test_a_level_on_the_command_line_prints_messages_once(shown, refused):
@@ -40,6 +46,7 @@ def test_a_level_on_the_command_line_prints_messages_once(shown, refused):
     assert shown("solve preloaded --json").err == ""
     expected = "--log must be one of debug, info, warning, got 'all'."
     assert expected in refused("--log all solve preloaded")
+    assert refused("--log info solve preloaded --end-time 0").startswith("--end-time must be")
 
 
 @pytest.mark.thinned(2)

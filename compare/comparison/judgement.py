@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -49,6 +50,9 @@ class Judgement(HasRows[Row]):
     case: Case
     rows: tuple[Row, ...]
     fields: FieldErrors | None = None
+
+    def __post_init__(self) -> None:
+        logging.getLogger(__name__).info("%r", self)
 
     def _repr_html_(self) -> str:
         columns = ("quantity", "exact", "at nodes", "simulated", "difference", "bar", "verdict")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time as clock
 from collections.abc import Callable
@@ -233,6 +234,9 @@ def marched(
                 raise KeyboardInterrupt
             if progress is not None and level:
                 progress(min(level, steps), steps)
+    seconds = clock.perf_counter() - started
+    work = line.spacing, march.unknowns, steps, seconds
+    logging.getLogger(__name__).info("squares of side %.6g, %d unknowns, %d steps in %.3g s", *work)
     return LineSimulation(
         x=line.x,
         touching=line.touching,
@@ -241,7 +245,7 @@ def marched(
         imbalance=imbalance(march),
         steps=steps,
         unknowns=march.unknowns,
-        seconds=clock.perf_counter() - started,
+        seconds=seconds,
         gauges=None if gauges is None else gauges.history(step, steps),
     )
 

@@ -208,9 +208,7 @@ class PairSolution(SelfSimilarAnswer, AnswerInBodies):
 
     def max_slip(self, t: ArrayLike) -> Array:
         """Largest |slip| on the contact at times t [length]; it grows linearly in time."""
-        return (
-            self._rate_unit * np.maximum(np.asarray(t, dtype=float), 0.0) * self.profile.most_slip
-        )
+        return np.asarray(self._rate_unit * np.maximum(t, 0.0) * self.profile.most_slip)
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """Integral over the contact of the |slip| accumulated until t [length^2]; grows as t^2."""

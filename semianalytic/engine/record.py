@@ -130,7 +130,7 @@ class MarchRecord:
         moved = np.add(sizes[1:], sizes[:-1], out=moved[1:])
         moved *= np.diff(taken.times)[:, None] / 2
         works, slips = taken.works[1:, : len(self._weights)], slips[1:, on]
-        extremes = slips.max(axis=1, initial=0.0), -slips.min(axis=1, initial=0.0)
+        extremes = slips.max(axis=1, initial=0.0), 0.0 - slips.min(axis=1, initial=0.0)
         largest = np.maximum(*extremes)
         # one by one, so that sums do not depend on how steps come in blocks
         so_far = self._summed.arrays()[2][-1:].tolist() if self._summed.count else []

@@ -163,7 +163,7 @@ def fit(
         solutions=trials.count,
         trials=trials,
     )
-    logging.getLogger(__name__).info("%d solutions: %r", trials.count, fit)
+    logging.getLogger(__name__).info("%d solutions, the last %r: %r", trials.count, solution, fit)
     return fit
 
 

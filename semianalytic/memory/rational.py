@@ -39,7 +39,7 @@ def fitted(
     if not error < 10 * tolerance:
         raise ComputationError(
             f"the memory of the interface could be fitted to {error:.1e} only, not to "
-            f"{tolerance:.1e}; raise the tolerance or shorten the run."
+            f"{tolerance:.1e}; use a finer grid or a shorter run."
         )
     pairs, real = _split(poles)
     half = len(pairs)

@@ -156,9 +156,11 @@ def check_seal(path: str | Path) -> None:
 
 def has_seal(path: str | Path) -> bool:
     """Return whether a file ends in a seal; raise ValueError if it does not match the rest."""
+    status = os.stat(path)
+    if not stat.S_ISREG(status.st_mode):  # a pipe or a device may have no end
+        raise ValueError("it is not an ordinary file")
     with Path(path).open("rb") as stream:
-        size = stream.seek(0, os.SEEK_END)
-        start = max(size - 160, 0)
+        start = max(status.st_size - 160, 0)
         # The seal is at the end: the last bytes show whether there is one.
         stream.seek(start)
         seal = _SEALED.search(stream.read())

@@ -50,7 +50,7 @@ def _is_sized(value: object) -> bool:
 
 
 _Check = tuple[Callable[[Any], bool], str]
-_PATH: _Check = (lambda value: "\0" not in fspath(value), "a path")
+_PATH: _Check = (lambda value: "\0" not in fspath(value), "a path without NUL characters")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),
     **dict.fromkeys(("ArrayLike", "Array | float"), (_is_array, "a number or an array of numbers")),

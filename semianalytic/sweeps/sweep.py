@@ -265,7 +265,7 @@ def sweep(
     place = np.ravel(place)
     chosen = tuple(solutions[i] for i in place)
     swept = Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
-    logging.getLogger(__name__).info("%r", swept)
+    logging.getLogger(__name__).info("a Scene by self-similar: %r", swept)
     return swept
 
 

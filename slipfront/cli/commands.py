@@ -17,7 +17,7 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from semianalytic.scene.checks import checked_word
-from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
+from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.plugins import plugin_at_fault
 from slipfront.cli.endings.faults import INTERRUPTED, INTERRUPTION, READER_GONE, crashed, printable
@@ -198,6 +198,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"), unread_said(as_json="--json" in arguments):
+            if any("\0" in word for word in arguments):  # no system gives it, callers in Python may
+                raise SceneError("The command contains a NUL character; leave it out.")
             command_for(arguments)(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
@@ -230,8 +232,7 @@ def _options(arguments: Sequence[str]) -> set[str]:
     options: set[str] = set()
     for word in arguments:
         commands = getattr(command, "commands", {})
-        if word not in commands:
-            break
-        command = commands[word]
-        options |= {param.name for param in command.params if param.param_type_name == "option"}
+        if word in commands:  # words before it, such as --log info, are options of all commands
+            command = commands[word]
+            options |= {each.name for each in command.params if each.param_type_name == "option"}
     return options

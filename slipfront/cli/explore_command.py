@@ -43,11 +43,11 @@ def explore_command(
     may be another one: that of the file's [lower_material], or with the numbers that are given.
     """
     require("slipfront explore", *EXPLORE, *PLOT)
-    from slipfront.explore.controls import defaults
-    from slipfront.explore.serving import serve
-
     scene = override_scene(find_scene(scene_name), **overrides, **lower)
+    from slipfront.explore.controls import defaults
+
     defaults(scene)  # refuses scenes that the controls cannot describe
+    from slipfront.explore.serving import serve  # takes seconds, which a refusal does not wait for
 
     def tell(address: str) -> None:
         if as_json:

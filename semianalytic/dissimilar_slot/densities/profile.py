@@ -32,6 +32,8 @@ RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 
 _LENGTH = 2.0
 """Length in x of an interval on which the slopes of tractions are evaluated directly."""
+_LAST = 1e20
+"""Slowness [1 / c_t] from which on rates are constant; the parts end soon behind it."""
 _STEPS = 3
 """Steps between the nodes of a density per interval of its series."""
 
@@ -241,6 +243,7 @@ class PairProfile:
 
     def at(self, u: Array) -> Array:
         """Return the six functions at slownesses u >= 0, (6, n); they are 0 ahead of all waves."""
+        u, beyond = np.minimum(u, _LAST), np.maximum(u / _LAST, 1.0)
         result = np.zeros((6, len(u)))
         parts = self.parts
         ends = np.array([part.stretch.left for part in parts])
@@ -249,6 +252,7 @@ class PairProfile:
             here = index == k
             if here.any():
                 result[:, here] = part.at(part.stretch.coordinates(u[here]), u[here])
+        result[[SLIP, GAP]] *= beyond  # integrals of rates that do not change any more
         return result
 
 

@@ -48,8 +48,8 @@ def size_of(path: Path) -> int:
 def _readable(path: Path) -> Iterator[None]:
     try:
         yield
-    except OSError as error:
-        reason = error.strerror or error
+    except (OSError, ValueError) as error:  # a ValueError: the name has a NUL character
+        reason = getattr(error, "strerror", None) or error
         raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
 
 

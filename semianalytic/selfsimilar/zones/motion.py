@@ -189,6 +189,7 @@ def over_slowness(
     """Evaluate a field over slowness, (m,) or (k, m), at x > 0 and t; it is 0 before t = 0."""
     x, t = contact_points(x, t)
     # Fields are functions of u = t / x, here in units b = 1 / c_t = 1.
-    u = (t * shear_speed / x).ravel()
+    with np.errstate(over="ignore"):
+        u = np.minimum(t * shear_speed / x, np.finfo(float).max).ravel()
     value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
     return value.reshape((*value.shape[:-1], *x.shape))

@@ -290,6 +290,15 @@ def test_a_name_is_solved(name, edges, opening):
     )
 
 
+@pytest.mark.parametrize("name", [*NAMED_PAIRS, "preloaded"])
+def test_slip_and_gap_are_continuous_towards_the_edge(name):
+    """However close to it a position is, down to the smallest numbers, which divide nothing."""
+    answer = sf.solve(name)
+    for field in (answer.slip, answer.gap):
+        np.testing.assert_allclose(field([1e-21, 1e-30, 1e-300], 1.0), field(1e-16, 1.0), 1e-8)
+    assert np.isfinite(answer.slip(1e-320, 1.0))
+
+
 @every_name
 def test_what_knows_identical_bodies_only_names_what_can(name):
     with pytest.raises(sf.SceneError, match="slipfront solve or survey"):

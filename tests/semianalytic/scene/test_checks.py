@@ -243,6 +243,7 @@ GAUGE = sf.Gauge(0.4, TIMES, TIMES, 0.1)
         ),
         (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise takes"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
+        (lambda: slipfront.find("a\0b.toml"), "cannot be read (embedded null byte)"),
         (
             lambda: slipfront.survey(PRELOADED, client="x", friction=[0.1]),
             "client must be one of dask.distributed, got 'x'.",

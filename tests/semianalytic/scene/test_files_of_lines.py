@@ -277,6 +277,8 @@ def test_pipes_devices_and_huge_files_are_refused_at_once(folder, monkeypatch):
     for find in (sf.find, sf.Table.read):
         with pytest.raises(sf.SceneError, match="not an ordinary file"):
             find("pipe.toml")
+    with pytest.raises(sf.DataFileError, match="not an ordinary file"):
+        sf.Marched.load("pipe.toml")
     with monkeypatch.context() as patch:
         patch.setattr("semianalytic.scene.given.files.LARGEST_DESCRIPTION", 10)
         with pytest.raises(sf.SceneError, match="and at most"):

@@ -36,6 +36,7 @@ def test_an_open_contact_edge_has_no_intensity_and_no_minus(shown):
     (line,) = [line for line in said.splitlines() if "K_I" in line]
     assert "0, 0" in line
     assert "-0" not in line
+    assert " -0 " not in shown("solve ramp --nodes 32 --length 100 --no-estimate", 4).out
 
 
 def test_a_plot_is_of_the_time_that_is_asked_for(tmp_path, shown):
@@ -54,14 +55,14 @@ def test_solve_draws_a_plot(tmp_path, shown):
 
 @pytest.mark.slow
 def test_solve_imports_only_what_it_uses():
-    """No finite elements, no figures, and no part of scipy that takes longer than the solution."""
+    """No finite elements, figures or page for a refused scene, and no slow part of scipy."""
     unused = [
-        *("skfem", "gmsh", "meshio", "matplotlib"),
+        *("skfem", "gmsh", "meshio", "matplotlib", "bokeh"),
         *("scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.stats"),
     ]
     code = (
         "import sys; from slipfront.cli.commands import main\n"
-        "main(['solve', 'preloaded']); main(['scenes'])\n"
+        "main(['solve', 'preloaded']); main(['scenes']); main(['explore', 'absent.toml'])\n"
         f"sys.exit(any(name in sys.modules for name in {unused}))"
     )
     run = packages.run("", "-c", code)

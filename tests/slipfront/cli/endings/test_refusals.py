@@ -37,6 +37,8 @@ OTHERWISE = "slipfront solve, compare, explore, field, survey and simulate take 
 REFUSED = {
     "": [
         ("solve absent.toml", "cannot be read"),
+        ("solve preloaded --save a\0b.h5", "contains a NUL character"),
+        ("simulate preloaded --lower-shear-modulus 1e60", "wave speed of the lower body"),
         ("solve preloaded --plot a.docx", "end the name in"),
         ("solve preloaded --nodes 50", "add --method space-time"),
         ("solve lift-off --method space-time --length 1", "turn tensile"),
