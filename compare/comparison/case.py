@@ -39,7 +39,7 @@ MOST_NODES, GROWN = 0.75, 0.9
 """Part of the slipping nodes that have at most the roughness from which growing waves follow, so
 that one wrong node does not, and part of the end time from which on it is measured.  Halving the
 elements takes it to 0.2 to 0.75 of its value in 20 of 30 drawn pairs, to 1.1 times that in two
-with narrow openings, to 1.3 to 16 times that in six whose waves grow; over all times one has 0.97."""
+with narrow openings, to 1.3 to 16 times in six whose waves grow; over all times one has 0.97."""
 EDGE_CELLS = 4
 """Number of elements next to the edge that are left out where fields can be singular."""
 
@@ -320,8 +320,8 @@ class Case:
         1.2 bars off.  Ahead of an edge of slip the shear traction bends like a square root: that of
         `ramp` shows 1.24, and comes nearer to the march with orders of 0.56 and 0.8.  Where a load
         jumps after t = 0 slip rates jump at its fronts within the contact, which meshes smear over
-        an element: of first order as well, 1.39 on the meshes of `pulse`.  Damping spreads fronts on
-        slot faces over a length that goes like the root of the elements.
+        an element: of first order as well, 1.39 on the meshes of `pulse`.  Damping spreads fronts
+        on slot faces over a length that goes like the root of the elements.
         """
         if kind == "slot" and self.simulation.damping >= QUIETING:
             return LEAST_ORDER
