@@ -30,6 +30,7 @@ from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer
 from semianalytic.scene.arguments import asked_in_units
 from semianalytic.scene.arrays import Array
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
 
@@ -276,7 +277,12 @@ class Marched(AnswerInBodies, SampledAnswer):
         It is linear between nodes that touch, and nan where the bodies do not touch and beyond the
         nodes.
         """
-        given = np.asarray(x, dtype=float)
+        values, given = np.asarray(values), np.asarray(x, dtype=float)
+        if values.shape[-1:] != self.interface.x.shape:
+            raise SceneError(
+                f"at: values must be {len(self.interface.x)} in each row, one per node, got shape "
+                f"{values.shape}."
+            )
         place = np.abs(given) if self.scene.even else given
         left, right, along = self.interface.beside(place)
         with np.errstate(invalid="ignore"):  # of what is not finite
@@ -345,10 +351,13 @@ class Marched(AnswerInBodies, SampledAnswer):
         array
             The estimate, of the shape of the reading; nan without a companion.
         """
+        own = np.asarray(reading(self))
+        if own.dtype.kind not in "biuf":
+            raise SceneError(f"error_of: reading must return numbers, got {shown(own)}.")
         if self.companion is None:
-            return np.full(np.shape(reading(self)), np.nan)
+            return np.full(own.shape, np.nan)
         # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self.coarser)))
+        return SAMPLED_SAFETY * np.abs(own - reading(self.coarser))
 
     @cached_property
     def coarser(self) -> Any:

@@ -205,7 +205,7 @@ def nucleation(loading: Loading, poisson_ratio: float, viscosity: float = 0.0) -
     The traction ahead of a slow zone peaks exactly at the shear front, so this is where that
     peak meets the bound; where the front breaks first, it is the peak of the stuck interface.
     """
-    if loading == "remote" and not viscosity:
+    if loading == "remote":
         front = front_threshold_stuck(poisson_ratio)
         if front >= edge_threshold_alone(poisson_ratio):
             return front

@@ -23,6 +23,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _BARE = (TypeError, ValueError, ArithmeticError, AttributeError, LookupError)
 """Errors of Python that arguments of a wrong type end in."""
+_FLOAT = np.dtype(float)
+_PLAIN = frozenset((float, bool, str, np.float64, type(None)))
+"""Types with which functions compute as they are, as with arrays of floating-point numbers."""
 
 
 def _is_number(value: object) -> bool:
@@ -39,10 +42,15 @@ def _is_count(value: object) -> bool:
 
 
 def _is_array(value: Any) -> bool:
-    # texts and dates would become numbers; rows of different lengths raise, as in all checks
-    kind = np.asarray(value).dtype.kind
-    np.asarray(value, dtype=float)
-    return kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
+    # texts, dates and complex numbers would become numbers, and masked ones would count; rows of
+    # different lengths raise, as in all checks
+    given = np.asarray(value)
+    kind = given.dtype.kind
+    real = kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in given.flat))
+    if not real or np.ma.is_masked(value):
+        return False
+    sizes = np.abs(given.astype(float))
+    return not np.any((sizes > LARGEST) & (sizes < np.inf))
 
 
 def _is_sized(value: object) -> bool:
@@ -50,13 +58,15 @@ def _is_sized(value: object) -> bool:
 
 
 _Check = tuple[Callable[[Any], bool], str]
+_ARRAYS = ("ArrayLike", "Array | float", "Array")
+_NUMBERS = f"an array of numbers up to {LARGEST:g}"
 _PATH: _Check = (lambda value: "\0" not in fspath(value), "a path")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),
-    **dict.fromkeys(("ArrayLike", "Array | float"), (_is_array, "a number or an array of numbers")),
+    **dict.fromkeys(("ArrayLike", "Array | float"), (_is_array, f"a number or {_NUMBERS}")),
     **dict.fromkeys(
-        ("Array", "Sequence[float]", "Sequence[float] | Array"),
-        (lambda value: np.ndim(value) > 0 and _is_array(value), "an array of numbers"),
+        ("Array", "Sequence[float]"),
+        (lambda value: np.ndim(value) > 0 and _is_array(value), _NUMBERS),
     ),
     "int": (_is_count, f"a whole number up to {LARGEST_COUNT:g}"),
     "bool": (lambda value: plain(value) in (False, True), "True or False"),
@@ -108,7 +118,8 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
     """Let a function refuse arguments of a wrong type, by its annotations.
 
     It does so before it computes, or only once it has failed if not `at_once`: solvers call
-    methods of friction laws at every step, with arguments that are right.
+    methods of friction laws at every step, with arguments that are right.  Those take lists of
+    numbers as arrays, and numpy does not warn of what they return at nan and inf.
 
     Raises
     ------
@@ -125,6 +136,8 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
     names, called = list(inspect.signature(function).parameters), function.__name__
     if called == "__init__":
         called = function.__qualname__.split(".")[-2].lower()
+    computed = function if at_once else np.errstate(all="ignore")(function)
+    numbers = [name for name, kind in function.__annotations__.items() if kind in _ARRAYS]
 
     def refuse(args: tuple[Any, ...], given: Mapping[str, Any]) -> None:
         for name, value in (*zip(names, args, strict=False), *given.items()):
@@ -133,17 +146,29 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
             admits, required, _ = kinds[name]
             try:
                 right = admits(value)
-            except (TypeError, ValueError, OverflowError):
+            except Exception:  # of any kind: the value may be of a class of another package
                 right = False
             if not right:
                 raise SceneError(f"{called}: {name} must be {required}, got {shown(value)}.")
+
+    def array(name: str, value: Any) -> Any:
+        if name not in numbers or type(value) in _PLAIN:
+            return value
+        if not isinstance(plain(value), Real):  # one number may stand for an array
+            refuse((), {name: value})
+        return np.asarray(value, dtype=float)[()]
 
     @functools.wraps(function)
     def checked(*args: Any, **given: Any) -> Any:
         if at_once:
             refuse(args, given)
         try:
-            return function(*args, **given)
+            for value in () if at_once else (*args[1:], *given.values()):
+                if type(value) not in _PLAIN and getattr(value, "dtype", None) is not _FLOAT:
+                    args = (*map(array, names, args), *args[len(names) :])
+                    given = {name: array(name, value) for name, value in given.items()}
+                    break
+            return computed(*args, **given)
         except SlipfrontError:
             raise
         except _BARE as error:

@@ -169,13 +169,11 @@ class Law(Alike, ABC):
         delay = np.asarray(self.pressure_delay(speed), dtype=float)
         if not delay.any():
             return np.array(after, dtype=float)
-        with np.errstate(divide="ignore"):
-            lag = time / delay
+        lag = time / delay
         left = np.exp(-lag)
         # Mean of exp(-lag s) over the step: the share of the pressure at its end that is missing.
-        with np.errstate(invalid="ignore", divide="ignore"):
-            mean = np.where(lag > 1e-8, -np.expm1(-lag) / lag, 1 - lag / 2)
-            mean = np.where(lag < np.inf, mean, 0.0)
+        mean = np.where(lag > 1e-8, -np.expm1(-lag) / lag, 1 - lag / 2)
+        mean = np.where(lag < np.inf, mean, 0.0)
         return np.asarray(left * felt + (mean - left) * before + (1 - mean) * after)
 
     def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
@@ -420,12 +418,10 @@ def _root(excess: Any, low: Array, high: Array, wanted: Any) -> Array:
         least = 4e-16 * np.abs(best) + 1e-300
         if not (wanted & (fa != 0) & (width > least)).any():
             break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-            inner = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-            quadratic = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (
-                fc - fa
-            ) * fb / (fc - fb)
+        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        inner = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+        slope = (c - a) / (b - a) * fa / (fc - fa)
+        quadratic = fa / (fb - fa) * fc / (fb - fc) + slope * fb / (fc - fb)
         share = np.where(inner & np.isfinite(quadratic), quadratic, 0.5)
         edge = np.where(width > 0, 0.5 * least / np.where(width > 0, width, 1.0), 0.5)
         share = np.clip(share, np.minimum(edge, 0.5), 1 - np.minimum(edge, 0.5))
