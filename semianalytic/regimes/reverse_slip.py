@@ -75,9 +75,7 @@ def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
         return reversing - present
 
     if excess(0.0) > 0:
-        raise SceneError(
-            f"No narrow strip reverses at poisson_ratio = {poisson_ratio:g}; give one above -0.42."
-        )
+        raise SceneError("No narrow strip reverses; give a poisson_ratio above -0.42.")
     unknown = float(brentq(excess, _FASTEST, 0.0, xtol=1e-10))
     return _log_narrow_candidate(poisson_ratio, unknown)[0]
 

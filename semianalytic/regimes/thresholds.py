@@ -124,9 +124,8 @@ def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
     """Return a front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
     factors = rayleigh_factors(poisson_ratio)
     width = 1 - factors.a
-    if unknown < 0:
-        return factors.beside("a", [width / (1 + math.exp(-unknown))])
-    return factors.beside("b", [-width / (1 + math.exp(unknown))])
+    distance = width / (1 + math.exp(min(abs(unknown), 700.0)))  # e^710 overflows
+    return factors.beside("a", [distance]) if unknown < 0 else factors.beside("b", [-distance])
 
 
 def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:

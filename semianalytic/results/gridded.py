@@ -102,7 +102,7 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
-        axes = ax if isinstance(ax, list | tuple) else np.ravel(ax)
+        axes = ax if isinstance(ax, list | tuple) else getattr(ax, "flat", [ax])
         if ax is not None and not (
             len(axes) and all(hasattr(panel, "pcolormesh") for panel in axes)
         ):

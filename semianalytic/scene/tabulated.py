@@ -21,7 +21,7 @@ def _samples(given: Iterable[float]) -> Array:
     """Return the samples of a table (n,); raise SceneError unless all are finite numbers."""
     try:
         listed = list(given)
-    except TypeError as error:
+    except Exception as error:  # of any kind: the value may be of a class of another package
         raise SceneError("tabulated: times and values must be lists of numbers.") from error
     numbers = [finite(value) for value in listed]
     if None in numbers:

@@ -373,7 +373,7 @@ def _check(what: str, value: Any, admitted: Any, words: str) -> None:
     if callable(value):
         return
     # values at nodes are a row
-    if not isinstance(value, np.ndarray) or value.ndim > 1 or value.dtype.kind not in "iuf":
+    if not isinstance(value, np.ndarray) or value.ndim != 1 or value.dtype.kind not in "iuf":
         checked_number(what, value, words, admitted)
         return
     wrong = ~(np.isfinite(value) & admitted(value))
@@ -418,10 +418,12 @@ def _root(excess: Any, low: Array, high: Array, wanted: Any) -> Array:
         least = 4e-16 * np.abs(best) + 1e-300
         if not (wanted & (fa != 0) & (width > least)).any():
             break
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        inner = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-        slope = (c - a) / (b - a) * fa / (fc - fa)
-        quadratic = fa / (fb - fa) * fc / (fb - fc) + slope * fb / (fc - fb)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            inner = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+            quadratic = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (
+                fc - fa
+            ) * fb / (fc - fb)
         share = np.where(inner & np.isfinite(quadratic), quadratic, 0.5)
         edge = np.where(width > 0, 0.5 * least / np.where(width > 0, width, 1.0), 0.5)
         share = np.clip(share, np.minimum(edge, 0.5), 1 - np.minimum(edge, 0.5))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.scene.arguments import checking_methods
+from semianalytic.scene.arguments import checking_methods, floats_of
 from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
@@ -50,15 +50,13 @@ class Contact:
     intervals: Sequence[tuple[float, float]] = ((-math.inf, math.inf),)
 
     def __post_init__(self) -> None:
-        try:
-            parts = sorted((float(begin), float(end)) for begin, end in self.intervals)
-        except (TypeError, ValueError):
-            parts = []
-        if not parts:
+        ends = floats_of(self.intervals)
+        if ends is None or ends.shape[1:] != (2,) or not len(ends):
             raise SceneError(
                 "contact: intervals must be pairs of begin and end, such as [[-1, 1]], got "
                 f"{shown(self.intervals)}."
             )
+        parts = sorted(map(tuple, ends.tolist()))
         for begin, end in parts:
             if not begin < end:
                 raise SceneError(
