@@ -154,8 +154,9 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
         numbers = np.asarray(value, dtype=float)
         if numbers.ndim:
             return numbers
-        number = numbers.item()  # beyond the range of floating point its reciprocal is infinite
-        return 0.0 if abs(number) < sys.float_info.min else number
+        number = numbers.item()
+        # below the range of floating point its reciprocal is infinite; y = -0.0 is the lower face
+        return 0.0 * number if abs(number) < sys.float_info.min else number
 
     @functools.wraps(function)
     def checked(*args: Any, **given: Any) -> Any:
