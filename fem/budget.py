@@ -21,6 +21,7 @@ from fem.settings import LEAST_RESOLUTION, Settings
 from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.given.finding import of_scene
 from semianalytic.scene.scene import Scene
 
 LIBRARIES = 10_000_000
@@ -101,6 +102,7 @@ class Cost:
         )
 
 
+@of_scene
 def cost(
     scene: Scene | str | PathLike[str],
     end_time: float | None = None,
@@ -108,7 +110,7 @@ def cost(
     *,
     snapshots: bool = False,
     checkpoint: bool = False,
-    memory: float | None = math.inf,
+    memory: Any = math.inf,
     **options: Any,
 ) -> Cost:
     """Predict what `simulate` would need with these options, without building anything.
@@ -141,7 +143,7 @@ def cost(
     """
     plan = make_plan(scene, end_time, settings, options, full=snapshots)
     predicted = predict_cost(plan, checkpoints=checkpoint)
-    if memory != math.inf:
+    if not (isinstance(memory, float) and memory == math.inf):
         check_fits(plan, predicted, memory, checkpoints=checkpoint)
     return predicted
 

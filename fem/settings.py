@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from semianalytic.scene.checks import among, check_fields, checked_count, checked_size
+from semianalytic.scene.checks import check_fields, checked_count, checked_size, checked_word
 from semianalytic.scene.errors import SceneError
 
 LEAST_RESOLUTION = 8
@@ -81,8 +81,7 @@ class Settings:
             what, given = f"simulate: {name}", getattr(self, name)
             count = checked_count(what, given, least, "an integer of at least")
             object.__setattr__(self, name, count)
-        if not among(self.model, ("auto", "two-blocks")):
-            raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
+        checked_word("simulate: model", self.model, ("auto", "two-blocks"))
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from semianalytic.results.in_words import digits_apart
+from semianalytic.scene.arguments import checking
 
 AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
 
@@ -184,6 +185,7 @@ class HasRows(Generic[AnyRow]):
         found = ", ".join(f"{count} {verdict}" for verdict, count in self.counts.items() if count)
         return f"<{type(self).__name__}: {self.said}; rows: {found}>"
 
+    @checking
     def having(self, verdict: str) -> tuple[AnyRow, ...]:
         """Return the rows with a given verdict."""
         return tuple(row for row in self.rows if row.verdict == verdict)

@@ -282,6 +282,8 @@ class Specimen:
 
     def shares(self, x: Array) -> tuple[Array, Array]:
         """Return the lengths of contact and of slot that belong to nodes of the joint [length]."""
+        if np.ndim(x) != 1 or len(x) < 2:
+            raise SceneError(f"shares: x must be two nodes or more in a row, got {shown(x)}.")
         borders = np.concatenate([x[:1], (x[1:] + x[:-1]) / 2, x[-1:]])
         contact = sum(
             np.maximum(np.minimum(borders[1:], end) - np.maximum(borders[:-1], begin), 0.0)

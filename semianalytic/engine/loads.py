@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from semianalytic.memory.impedance import Opening
 from semianalytic.memory.line_memory import LineMemory
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.incident import IncidentWave, MovingLoad
+from semianalytic.scene.line.loads import Part
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
 
@@ -190,7 +191,7 @@ class GridPressure:
         return kinks
 
 
-Front = Callable[[Literal["pressure", "shear"], float, float], tuple[Any, Any]]
+Front = Callable[[Part, float, float], tuple[Any, Any]]
 """The traction of the uncut interface, and that which slot faces keep, under a front that moves.
 
 Both are asked for by name, time and step [time], and given at all nodes (size,) and at those of the
@@ -214,7 +215,7 @@ def front_of(scene: Scene, grid: ContactGrid, entry: float) -> Front:
         for name, history in scene.acting_histories.items()
     }
 
-    def tractions(name: Literal["pressure", "shear"], t: float, step: float) -> tuple[Any, Any]:
+    def tractions(name: Part, t: float, step: float) -> tuple[Any, Any]:
         base = getattr(scene.before_load, name)
         if name not in fronts:
             return base, base
@@ -252,7 +253,7 @@ class FreeFaces(ClosedLine):
         scene: Scene,
         nodes: ContactGrid,
         layout: SlotLayout,
-        name: Literal["pressure", "shear"],
+        name: Part,
         front: Front | None,
         given: Callable[[Array, bool], Array] | None = None,
     ) -> None:

@@ -28,7 +28,7 @@ from semianalytic.results.questions import ONSET_SHARE, added_up, onsets_until
 from semianalytic.results.reading import SAMPLED_SAFETY
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.results.saved import read_answer
-from semianalytic.scene.arguments import asked_in_units
+from semianalytic.scene.arguments import asked_in_units, floats_of
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene
@@ -278,6 +278,8 @@ class Marched(AnswerInBodies, SampledAnswer):
         nodes.
         """
         given = np.asarray(x, dtype=float)
+        if values.shape[-1:] != self.interface.x.shape:
+            raise SceneError(f"at: values must be one per node in a row, got shape {values.shape}.")
         place = np.abs(given) if self.scene.even else given
         left, right, along = self.interface.beside(place)
         with np.errstate(invalid="ignore"):  # of what is not finite
@@ -346,10 +348,12 @@ class Marched(AnswerInBodies, SampledAnswer):
         array
             The estimate, of the shape of the reading; nan without a companion.
         """
+        if (own := floats_of(reading(self))) is None:
+            raise SceneError("error_of: reading must return a number or an array of numbers.")
         if self.companion is None:
-            return np.full(np.shape(reading(self)), np.nan)
+            return np.full(own.shape, np.nan)
         # The largest slip, at the edge, converges more slowly: errors are 0.1 to 1.7 of this.
-        return SAMPLED_SAFETY * np.abs(np.subtract(reading(self), reading(self.coarser)))
+        return SAMPLED_SAFETY * np.abs(np.subtract(own, reading(self.coarser)))
 
     @cached_property
     def coarser(self) -> Any:

@@ -129,6 +129,8 @@ class Fit:
         str
             Such as "± 0.0031", "+0.06 -0.16" or "not constrained".
         """
+        if not 0 <= number < len(self.values):
+            raise SceneError(f"error_in_words: there is no parameter {number}.")
         error = float(self.standard_errors[number])
         if not np.isfinite(error):
             return "not constrained"

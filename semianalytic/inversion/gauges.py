@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.scene.arguments import floats_of
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_word, shown
 from semianalytic.scene.errors import SceneError
@@ -139,10 +140,9 @@ class Gauge:
 
 
 def _numbers(name: str, given: ArrayLike) -> Array:
-    try:
-        return np.array(given, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise SceneError(f"gauge: {name} must be numbers, got {shown(given)}.") from None
+    if (found := floats_of(given)) is None:
+        raise SceneError(f"gauge: {name} must be numbers, got {shown(given)}.")
+    return found.copy()
 
 
 def checked_noise(given: ArrayLike, values: Array) -> float | Array:

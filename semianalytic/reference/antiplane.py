@@ -72,6 +72,8 @@ def antiplane_slip(
     u_s = 1/xi_s.
     """
     x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
+    if not all(np.all((part > 0) & (part < np.inf)) for part in (x, t)):
+        raise SceneError("antiplane_slip: x and t must be positive and finite.")
     xi = over_shear_speed(material, x / t, edge=True)
     edge = _edge(material, strength_ratio)
     # (t/x - u_s) / (b + u_s) in velocities over c_t, without the difference of two slownesses.

@@ -89,15 +89,13 @@ class PrescribedCrack:
         inside = self._inside(x, t)
         unit = 2 * self.amplitude * self.drop / self.material.shear_modulus
         moving = np.broadcast_to(self.speed**2 * np.asarray(t, dtype=float), inside.shape)
-        with np.errstate(divide="ignore"):
-            return np.where(inside > 0, unit * moving / np.sqrt(inside), 0.0)
+        return np.where(inside > 0, unit * moving / np.sqrt(inside), 0.0)
 
     def traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Change of traction [stress]: -drop on the crack, singular ahead of its tips."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         xi = np.divide(np.abs(x), t, out=np.full(x.shape, np.inf), where=t > 0)
-        with np.errstate(divide="ignore"):
-            u = (self.material.shear_speed / xi).ravel()
+        u = (self.material.shear_speed / xi).ravel()
         # At the tip itself the traction is infinite; nearer to it than this it follows the root
         # alone.
         stop = self._slowness * (1 - _NEAREST)

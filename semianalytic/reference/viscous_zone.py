@@ -173,5 +173,8 @@ def _viscous_zone(
     dry = material.shear_speed / of_mode(material, strength_ratio)
     # Viscosity makes the edge slower than without it, and no zone of this form passes c_R (c_t).
     least = max(dry * (1 - 1e-9), factors.c * (1 + 1e-9))
-    edge = brentq(excess, least, 2 * dry * (1 + eta) ** 2, xtol=1e-15, rtol=1e-14)
+    most = 2 * dry * (1 + eta) ** 2
+    if most > 1e45 or excess(least) > 0:  # above, squares leave floating point
+        raise SceneError("strength_ratio must put the edge below c_R and above 1e-45 c_t.")
+    edge = brentq(excess, least, most, xtol=1e-15, rtol=1e-14)
     return _ViscousZone(factors, eta, float(edge))

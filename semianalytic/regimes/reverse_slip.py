@@ -30,6 +30,7 @@ from semianalytic.regimes.thresholds import (
     scene_of,
 )
 from semianalytic.scene.arrays import Array
+from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.solver import solve
 
 _FASTEST = -60.0  # `past_rayleigh` of a front indistinguishable from the longitudinal one
@@ -66,13 +67,15 @@ def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
 
     In a gap |v - c| < d the traction dips below +f p by (Im M)'(c) r sqrt(d^2 - (v - c)^2), r the
     residue of dV/dv, and d is twice the half-width w of the strip that the logarithm reverses.
-    The dip spans 2 f p at chi = (Im M)'(c) r w.  Exact for w -> 0.
+    The dip spans 2 f p at chi = (Im M)'(c) r w.  Exact for w -> 0.  SceneError if there is none.
     """
 
     def excess(unknown: float) -> float:
         reversing, present = _log_narrow_candidate(poisson_ratio, unknown)
         return reversing - present
 
+    if excess(0.0) > 0:
+        raise SceneError("No narrow strip reverses; give a poisson_ratio above -0.42.")
     unknown = float(brentq(excess, _FASTEST, 0.0, xtol=1e-10))
     return _log_narrow_candidate(poisson_ratio, unknown)[0]
 

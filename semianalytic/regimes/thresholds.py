@@ -124,9 +124,8 @@ def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
     """Return a front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
     factors = rayleigh_factors(poisson_ratio)
     width = 1 - factors.a
-    if unknown < 0:
-        return factors.beside("a", [width / (1 + math.exp(-unknown))])
-    return factors.beside("b", [-width / (1 + math.exp(unknown))])
+    distance = width / (1 + math.exp(min(abs(unknown), 700.0)))  # e^710 overflows
+    return factors.beside("a", [distance]) if unknown < 0 else factors.beside("b", [-distance])
 
 
 def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
@@ -205,7 +204,7 @@ def nucleation(loading: Loading, poisson_ratio: float, viscosity: float = 0.0) -
     The traction ahead of a slow zone peaks exactly at the shear front, so this is where that
     peak meets the bound; where the front breaks first, it is the peak of the stuck interface.
     """
-    if loading == "remote" and not viscosity:
+    if loading == "remote":
         front = front_threshold_stuck(poisson_ratio)
         if front >= edge_threshold_alone(poisson_ratio):
             return front

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,15 +12,15 @@ from semianalytic.results.datasets import dataset
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_word
 from semianalytic.scene.scene import Scene
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 """Methods of positions and times."""
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
 """Methods of times alone."""
-ARRIVALS = ("slip", "forward", "reverse", "opening")
+Arrival = Literal["slip", "forward", "reverse", "opening"]
 """Events that may reach a position: slip of either sense, slip of one sense, and opening."""
+ARRIVALS = get_args(Arrival)
 
 
 @dataclass(frozen=True)
@@ -130,11 +130,6 @@ class Answer(Protocol):
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
         """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
-
-
-def checked_arrival(of: object) -> str:
-    """Return what arrives, one of `ARRIVALS`; raise SceneError for anything else."""
-    return checked_word("arrival: of", of, ARRIVALS)
 
 
 def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

@@ -102,7 +102,8 @@ class Gridded:
         """
         from semianalytic.results.plotting import drawn
 
-        axes = ax if isinstance(ax, list | tuple) else np.ravel(ax)
+        axes = list(ax.flat) if isinstance(ax, np.ndarray) else ax
+        axes = axes if isinstance(axes, list | tuple) else [axes]
         if ax is not None and not (
             len(axes) and all(hasattr(panel, "pcolormesh") for panel in axes)
         ):

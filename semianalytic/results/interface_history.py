@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from semianalytic.results.datasets import dataset
 from semianalytic.scene.arguments import asked_in_units
@@ -79,10 +80,10 @@ class InterfaceHistory:
         """Whether the bodies touch, (n,)."""
         return np.ones(len(self.x), dtype=bool) if self.mask is None else self.mask
 
-    def beside(self, x: Any) -> tuple[Any, Any, Array]:
+    def beside(self, x: ArrayLike) -> tuple[Any, Any, Array]:
         """Return the positions of the contact on either side of places, by number, and the share of
         the way from one to the other."""
-        left, right, along = between(self.x, x)
+        left, right, along = between(self.x, np.asarray(x, dtype=float))
         if self.mask is None:
             return left, right, along
         # at the end of a contact one of the two is of the slot, and does not count

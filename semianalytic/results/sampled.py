@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
+from semianalytic.results.answer import Arrival, OpenInterval, SlipInterval
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.interface_history import InterfaceHistory, between
 from semianalytic.results.intervals import (
@@ -148,7 +148,7 @@ class SampledAnswer(Gridded):
         """Path and work of friction that the stored levels add up to, (m, n)."""
         return added_up(self.interface)
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+    def arrival(self, x: ArrayLike, of: Arrival = "slip") -> Array:
         """Return the first time at which the sides slip, or come apart, at x [time].
 
         Slip has begun where its rate passes 1 % of the largest one anywhere until then, or, along a
@@ -174,16 +174,16 @@ class SampledAnswer(Gridded):
             If a position is not finite, off the contact or beyond the nodes, or there is no such
             arrival.
         """
-        onset = self._onset(checked_arrival(of))
+        onset = self._onset(of)
         return onset_between(self.interface.x, self._places(x), onset)
 
-    def first_motion(self, x: ArrayLike, of: str = "slip") -> Array:
+    def first_motion(self, x: ArrayLike, of: Arrival = "slip") -> Array:
         """Return the first time at which anything moves at x [time]; parameters as `arrival`.
 
         A slip rate of a millionth of the largest one counts here, so that this is the time of the
         slowest precursor that the grid shows.
         """
-        onset = self._onset(checked_arrival(of), NO_SLIP)
+        onset = self._onset(of, NO_SLIP)
         return onset_between(self.interface.x, self._places(x), onset)
 
     def front_speed(self, x: ArrayLike) -> Array:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
 from os import fspath
@@ -13,6 +14,7 @@ from typing import Any, TypeVar, get_args
 
 import numpy as np
 
+from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import LARGEST, LARGEST_COUNT, among, listed, plain, shown
 from semianalytic.scene.errors import SceneError, SlipfrontError
 from semianalytic.scene.quantities import Class, in_units_of, is_quantity, made_in_si
@@ -23,13 +25,18 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _BARE = (TypeError, ValueError, ArithmeticError, AttributeError, LookupError)
 """Errors of Python that arguments of a wrong type end in."""
+_FLOAT = np.dtype(float)
+_PLAIN = frozenset((float, bool, str, np.float64, type(None)))
+"""Types with which functions compute as they are, as with arrays of floating-point numbers."""
 
 
 def _is_number(value: object) -> bool:
     # True is a number to Python; nan compares with nothing
-    number = plain(value)
-    real = isinstance(number, Real) and not isinstance(number, bool)
-    return real and abs(float(number)) <= LARGEST
+    return _is_real(number := plain(value)) and abs(float(number)) <= LARGEST
+
+
+def _is_real(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def _is_count(value: object) -> bool:
@@ -38,28 +45,35 @@ def _is_count(value: object) -> bool:
     return whole and abs(int(count)) <= LARGEST_COUNT
 
 
-def _is_array(value: Any) -> bool:
-    # texts and dates would become numbers; rows of different lengths raise, as in all checks
-    kind = np.asarray(value).dtype.kind
-    np.asarray(value, dtype=float)
-    return kind in "biuf" or (kind == "O" and all(isinstance(x, Real) for x in np.ravel(value)))
+def floats_of(value: Any) -> Array | None:
+    """Return a number, or an array of numbers, of any type as an array; None for other values.
 
-
-def _is_sized(value: object) -> bool:
-    return isinstance(value, list | tuple | np.ndarray) and np.ndim(value) > 0
+    Masked, complex and ragged arrays, truth values, texts, dates and objects that fail are none.
+    """
+    try:
+        given = np.asarray(value)
+        kind = given.dtype.kind
+        real = kind in "iuf" or (kind == "O" and all(map(_is_real, given.flat)))
+        if not real or np.ma.is_masked(value):
+            return None
+        with np.errstate(over="raise"):  # of numbers with more digits
+            return given.astype(float, copy=False)
+    except Exception:  # of any kind: the value may be of a class of another package
+        return None
 
 
 _Check = tuple[Callable[[Any], bool], str]
+_NUMBERS = ("float", "ArrayLike", "Array | float", "Array")
+"""Annotations of what is computed with as floating-point numbers, whatever its type."""
+_ARRAY: _Check = (lambda value: floats_of(value) is not None, "a number or an array of numbers")
+_ROW: _Check = (lambda value: floats_of(value).ndim > 0, "an array of numbers")  # type: ignore[union-attr]
 _PATH: _Check = (lambda value: "\0" not in fspath(value), "a path without NUL characters")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),
-    **dict.fromkeys(("ArrayLike", "Array | float"), (_is_array, "a number or an array of numbers")),
-    **dict.fromkeys(
-        ("Array", "Sequence[float]", "Sequence[float] | Array"),
-        (lambda value: np.ndim(value) > 0 and _is_array(value), "an array of numbers"),
-    ),
+    **dict.fromkeys(("ArrayLike", "Array | float"), _ARRAY),
+    **dict.fromkeys(("Array", "Sequence[float]"), _ROW),
     "int": (_is_count, f"a whole number up to {LARGEST_COUNT:g}"),
-    "bool": (lambda value: plain(value) in (False, True), "True or False"),
+    "bool": (lambda value: isinstance(plain(value), int) and value in (0, 1), "True or False"),
     "str": (lambda value: isinstance(value, str), "a word"),
     **dict.fromkeys(("Path", "str | Path", "str | PathLike[str]", "str | os.PathLike[str]"), _PATH),
     "Progress": (callable, "a function"),
@@ -94,21 +108,12 @@ def _check_of(kind: str, names: Mapping[str, Any]) -> _Check | None:
     return None
 
 
-def _check_shapes(owner: str, given: Mapping[str, Any]) -> None:
-    """Raise SceneError if arrays that were given, such as positions and times, do not fit."""
-    shapes = {name: np.shape(value) for name, value in given.items() if _is_sized(value)}
-    try:
-        np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        said = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise SceneError(f"{owner}: shapes must fit one another, got {said}.") from None
-
-
 def checking(function: Function, *, at_once: bool = True) -> Function:
     """Let a function refuse arguments of a wrong type, by its annotations.
 
-    It does so before it computes, or only once it has failed if not `at_once`: solvers call
-    methods of friction laws at every step, with arguments that are right.
+    It does so before it computes, or if not `at_once` for floating-point numbers only once it has
+    failed: solvers call methods of friction laws at every step, with arguments that are right.
+    numpy does not warn of what those return at nan and inf.
 
     Raises
     ------
@@ -117,40 +122,59 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
     """
     module = getattr(function, "__globals__", {})
     kinds = {
-        name: (*check, str(annotation).endswith(" | None"))
+        name: (kind, check, str(annotation).endswith(" | None"))
         for name, annotation in function.__annotations__.items()
         if name != "return"
-        and (check := _check_of(str(annotation).removesuffix(" | None"), module))
+        and (check := _check_of(kind := str(annotation).removesuffix(" | None"), module))
     }
     names, called = list(inspect.signature(function).parameters), function.__name__
-    if called == "__init__":
+    if makes := called == "__init__":
         called = function.__qualname__.split(".")[-2].lower()
+    # a number beyond the range of floating point is inf
+    computed = np.errstate(all=None if at_once else "ignore", over="ignore")(function)
 
-    def refuse(args: tuple[Any, ...], given: Mapping[str, Any]) -> None:
-        for name, value in (*zip(names, args, strict=False), *given.items()):
-            if name not in kinds or (value is None and kinds[name][2]):
-                continue
-            admits, required, _ = kinds[name]
-            try:
-                right = admits(value)
-            except (TypeError, ValueError, OverflowError):
-                right = False
-            if not right:
-                raise SceneError(f"{called}: {name} must be {required}, got {shown(value)}.")
+    def taken(name: str, value: Any, strictly: bool = at_once) -> Any:
+        if not strictly and (
+            type(value) in _PLAIN or (type(value) is np.ndarray and value.dtype is _FLOAT)
+        ):
+            return value
+        if name not in kinds or (value is None and kinds[name][2]):
+            return value
+        kind, (admits, required), _ = kinds[name]
+        if kind == "Array" and not strictly:  # for which one number may stand
+            admits = _ARRAY[0]
+        try:
+            right = admits(value)
+        except Exception:  # of any kind: the value may be of a class of another package
+            right = False
+        if not right:
+            raise SceneError(f"{called}: {name} must be {required}, got {shown(value)}.")
+        if kind not in _NUMBERS:
+            return value
+        numbers = np.asarray(value, dtype=float)
+        if numbers.ndim:
+            return numbers
+        number = numbers.item()
+        # below the range of floating point its reciprocal is infinite; y = -0.0 is the lower face
+        return 0.0 * number if abs(number) < sys.float_info.min else number
 
     @functools.wraps(function)
     def checked(*args: Any, **given: Any) -> Any:
-        if at_once:
-            refuse(args, given)
+        if not makes:
+            args = (*map(taken, names, args), *args[len(names) :])
+            given = {name: taken(name, value) for name, value in given.items()}
         try:
-            return function(*args, **given)
+            return computed(*args, **given)
         except SlipfrontError:
             raise
         except _BARE as error:
-            if not at_once:
-                refuse(args, given)
-            if "broadcast" in str(error):  # by numpy
-                _check_shapes(called, {**dict(zip(names, args, strict=False)), **given})
+            passed = {**dict(zip(names, args, strict=False)), **given}
+            for name, value in passed.items():
+                taken(name, value, strictly=True)
+            if "broadcast" in str(error):  # by numpy, with one another or with nodes
+                shapes = (f"{name} {np.shape(x)}" for name, x in passed.items() if np.ndim(x))
+                said = f"{called}: shapes must fit one another and nodes, got {', '.join(shapes)}."
+                raise SceneError(said) from error
             raise
 
     return checked  # type: ignore[return-value]

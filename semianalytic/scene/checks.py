@@ -44,9 +44,10 @@ def shown(value: object) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Return the number in a zero-dimensional array of numpy or in its scalar; other values as
-    they are."""
-    return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
+    """Return the number in a zero-dimensional array of numpy or in its scalar; other values, and
+    masked ones, as they are."""
+    single = getattr(value, "ndim", None) == 0 and hasattr(value, "item")
+    return value.item() if single and not getattr(value, "mask", False) else value
 
 
 def meant(name: str, known: Iterable[str], others: str, cutoff: float = 0.6) -> str:
@@ -72,7 +73,7 @@ def finite(value: object) -> float | None:
         return None
     try:
         number = float(value)
-    except OverflowError:
+    except Exception:  # too large, or of a class of another package
         return None
     if 0 < abs(number) < sys.float_info.min:
         return 0.0

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import LARGEST, finite, shown
+from semianalytic.scene.checks import LARGEST, checked_number, finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pieces, Pulse, Ramp, Step
 from semianalytic.scene.plugins import HISTORIES, kind_of
@@ -21,7 +21,7 @@ def _samples(given: Iterable[float]) -> Array:
     """Return the samples of a table (n,); raise SceneError unless all are finite numbers."""
     try:
         listed = list(given)
-    except TypeError as error:
+    except Exception as error:  # of any kind: the value may be of a class of another package
         raise SceneError("tabulated: times and values must be lists of numbers.") from error
     numbers = [finite(value) for value in listed]
     if None in numbers:
@@ -135,6 +135,7 @@ class Tabulated(LoadHistory):
 
         Windows of the given width are placed around each of them in several ways.
         """
+        width = checked_number("turn: width", width, "be 0 or more", lambda given: given >= 0)
         times, values = np.array(self.t), np.array(self.value_at_t)
         seen = times < until
         times = np.concatenate([times[:1], times[seen], [until]])

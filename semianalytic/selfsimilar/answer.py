@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.polynomials import gauss
-from semianalytic.results.answer import OpenInterval, SlipInterval, checked_arrival
+from semianalytic.results.answer import Arrival, OpenInterval, SlipInterval
 from semianalytic.results.gridded import Gridded
 from semianalytic.results.reading import first_times
 from semianalytic.scene.arguments import asked_in_units
@@ -119,13 +119,13 @@ class SelfSimilarAnswer(Gridded):
         margin = strength - np.abs(self.shear_traction(x, t))
         return np.where(is_open(self.openings, x, t), 0.0, margin)
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+    def arrival(self, x: ArrayLike, of: Arrival = "slip") -> Array:
         """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
 
         "forward" and "reverse" refer to closed parts only; "slip" includes the motion of open
         parts.
         """
-        if checked_arrival(of) == "opening":
+        if of == "opening":
             return first_times(x, self.openings)
         if of == "slip":
             return first_times(x, (*self.zones, *self.openings))

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.slot_faces import SlotFaces
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import checked_arrival
+from semianalytic.results.answer import Arrival
 from semianalytic.results.gridded import AnswerInBodies
 from semianalytic.results.intervals import finite_times
 from semianalytic.results.reading import Reading, first_times, self_similar_reading
@@ -228,7 +228,7 @@ class Solution(ContactTotals, AnswerInBodies):
             return mode_one, self.profile.panels.sense[-1] * scene.coefficient * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+    def arrival(self, x: ArrayLike, of: Arrival = "slip") -> Array:
         """Return the first time at which the sides move along one another, or come apart, at x
         [time].
 
@@ -253,7 +253,7 @@ class Solution(ContactTotals, AnswerInBodies):
         SceneError
             If a position is not positive or finite, or there is no such arrival.
         """
-        if checked_arrival(of) == "opening":
+        if of == "opening":
             return first_times(x, self.openings)
         senses = {"forward": (1,), "reverse": (-1,)}.get(of, (1, -1))
         return first_times(x, (zone for zone in self._motion if zone.sense in senses))

@@ -91,9 +91,9 @@ class ContactTotals(SelfSimilarAnswer):
         # Slip ahead of all waves dissipates without bound; counted from the longitudinal front,
         # what lies beyond x = inf is then minus infinity, and the power of the contact +infinity.
         value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
-        part = (x > 0) & np.isfinite(x) & (time > 0)
-        u = time[part] * self._speed / x[part]
-        value[part] = dissipation(self.profile, u)[0]
+        u = np.divide(time * self._speed, x, out=np.zeros(x.shape), where=x > 0)
+        part = (u > 0) & np.isfinite(u)
+        value[part] = dissipation(self.profile, u[part])[0]
         return value
 
     @cached_property

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.results.answer import checked_arrival
+from semianalytic.results.answer import Arrival
 from semianalytic.results.intervals import line_points, line_positions
 from semianalytic.results.reading import Reading, self_similar_reading
 from semianalytic.scene.arguments import asked_in_units
@@ -146,12 +146,11 @@ class LineSolution(SelfSimilarAnswer):
         """Accumulated |slip| [length], which has one sense; raises as `slip_rate`."""
         return np.abs(self.slip(x, t))
 
-    def arrival(self, x: ArrayLike, of: str = "slip") -> Array:
+    def arrival(self, x: ArrayLike, of: Arrival = "slip") -> Array:
         """First time of slip or opening at x [time], inf without one; as `Solution.arrival`.
 
         For "slip", the motion of the open part counts as well.
         """
-        of = checked_arrival(of)
         moves = self.drive.opens if of == "opening" else of != "opening"
         if of in ("forward", "reverse"):
             moves = self.drive.sense == (1 if of == "forward" else -1)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from semianalytic.parameters.numbers import numbers_of, spelled
+from semianalytic.scene.arguments import floats_of
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.checks import meant, shown
 from semianalytic.scene.errors import SceneError
@@ -42,14 +43,9 @@ def parameter_name(subject: Scene, given: str) -> str:
 def checked_values(name: str, given: Any) -> Array:
     """Return the values of a parameter as an array, (n,) or (); SceneError if they are not a number
     or a row of finite numbers."""
-    try:
-        values = np.asarray(given)
-    except ValueError:
-        values = np.array(None)
-    if values.dtype.kind not in "fiu" or values.ndim > 1 or not values.size:
+    values = floats_of(given)
+    if values is None or values.ndim > 1 or not values.size or not np.all(np.isfinite(values)):
         raise SceneError(
-            f"survey: {name} must be a number or a row of numbers, got {shown(given)}."
+            f"survey: {name} must be a number or a row of finite numbers, got {shown(given)}."
         )
-    if not np.all(np.isfinite(values)):
-        raise SceneError(f"survey: {name} must hold finite numbers only, got {shown(given)}.")
-    return values.astype(float)
+    return values

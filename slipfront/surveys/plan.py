@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.checks import among, checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.scene import Scene
@@ -82,7 +82,7 @@ class Question:
             raise SceneError("survey: x and t must be finite numbers.")
         if not of_interface and not all(x > 0 for x in self.x):
             raise SceneError("survey: x must be positions on the contact, x > 0.")
-        unknown = [name for name in self.fields if name not in FIELDS]
+        unknown = [name for name in self.fields if not among(name, FIELDS)]
         if unknown:
             raise SceneError(
                 f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."

@@ -312,7 +312,7 @@ class MarchedBodies:
             depth = float(np.abs(y[near]).min())
             nodes = self.motion.slip.shape[1]
             instead = "ask for stress farther from the interface"
-            if depth:
+            if depth > 1e-9 * self.spacing:
                 enough = 4 * math.ceil(nodes * self.spacing / depth / 4)
                 instead = f"take {enough} nodes of the line, or " + instead
             raise SceneError(

@@ -17,7 +17,7 @@ from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.sampling import moving, sampled
 from semianalytic.scene.line.fields import at_nodes
-from semianalytic.scene.line.loads import InterfaceLoad
+from semianalytic.scene.line.loads import InterfaceLoad, Part
 from semianalytic.scene.scene import Scene
 
 
@@ -42,7 +42,7 @@ class ActingLoads:
 
     def __init__(
         self,
-        of: str,
+        of: Part,
         base: Array,
         loads: Sequence[InterfaceLoad | ActingFront],
         x: Array,

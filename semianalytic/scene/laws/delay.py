@@ -54,9 +54,8 @@ class DelayedLaw(Law):
         if not any(callable(value) or np.any(value) for value in (self.delay, self.delay_slip)):
             return 0.0
         delay, slip = np.asarray(self.delay, dtype=float), np.asarray(self.delay_slip, dtype=float)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            own = np.where(delay > 0, 1 / delay, np.where(slip > 0, 0.0, np.inf))
-            return 1 / (own + np.where(slip > 0, speed / slip, 0.0))
+        own = np.where(delay > 0, 1 / delay, np.where(slip > 0, 0.0, np.inf))
+        return 1 / (own + np.where(slip > 0, speed / slip, 0.0))
 
 
 class LinearLaw(DelayedLaw):

@@ -169,13 +169,11 @@ class Law(Alike, ABC):
         delay = np.asarray(self.pressure_delay(speed), dtype=float)
         if not delay.any():
             return np.array(after, dtype=float)
-        with np.errstate(divide="ignore"):
-            lag = time / delay
+        lag = time / delay
         left = np.exp(-lag)
         # Mean of exp(-lag s) over the step: the share of the pressure at its end that is missing.
-        with np.errstate(invalid="ignore", divide="ignore"):
-            mean = np.where(lag > 1e-8, -np.expm1(-lag) / lag, 1 - lag / 2)
-            mean = np.where(lag < np.inf, mean, 0.0)
+        mean = np.where(lag > 1e-8, -np.expm1(-lag) / lag, 1 - lag / 2)
+        mean = np.where(lag < np.inf, mean, 0.0)
         return np.asarray(left * felt + (mean - left) * before + (1 - mean) * after)
 
     def start(self, pressure: Array, shear: Array, speed: Array) -> Array:
@@ -376,7 +374,7 @@ def _check(what: str, value: Any, admitted: Any, words: str) -> None:
     if callable(value):
         return
     # values at nodes are a row
-    if not isinstance(value, np.ndarray) or value.ndim > 1 or value.dtype.kind not in "iuf":
+    if not isinstance(value, np.ndarray) or value.ndim != 1 or value.dtype.kind not in "iuf":
         checked_number(what, value, words, admitted)
         return
     wrong = ~(np.isfinite(value) & admitted(value))

@@ -90,9 +90,8 @@ class RateAndState(DelayedLaw):
 
     def strength(self, pressure: Array, speed: Array, state: Array) -> Array:
         """Return a p arcsinh(...); see `Law.strength`."""
-        with np.errstate(divide="ignore"):
-            # arcsinh(y) from ln y: no overflow however large the exponent
-            log = np.log(speed / (2 * self.v0)) + self._exponent(state)
+        # arcsinh(y) from ln y: no overflow however large the exponent
+        log = np.log(speed / (2 * self.v0)) + self._exponent(state)
         return np.asarray(self.a * pressure * _arcsinh_exp(log))
 
     def slip_speed(
@@ -132,8 +131,7 @@ class RateAndState(DelayedLaw):
         share = speed * time / self.distance
         if self.evolution == "ageing":
             # theta e^-y + (L/V)(1 - e^-y); (1 - e^-y)/y tends to 1 at rest
-            with np.errstate(invalid="ignore", divide="ignore"):
-                mean = np.where(share > 1e-12, -np.expm1(-share) / share, 1.0)
+            mean = np.where(share > 1e-12, -np.expm1(-share) / share, 1.0)
             return np.asarray(state * np.exp(-share) + time * mean)
         fallen = np.exp(-share)
         steady = self._steady(np.maximum(speed, 1e-300))
@@ -190,7 +188,7 @@ class RateAndState(DelayedLaw):
 
     def weakening(self, pressure: Array) -> float:
         """Return b p / L, the fall of strength behind a rapid front [stress / length]."""
-        return float(np.max(self.b * pressure / self.distance))
+        return float(np.max(self.b * pressure / self.distance, initial=0.0))
 
 
 def _wright_omega(y: Array) -> Array:

@@ -78,7 +78,7 @@ class SlipWeakening(LinearLaw):
     def weakening(self, pressure: Array) -> float:
         """Return the steepest fall [stress / length]; see `Law.weakening`."""
         fall = (self.static - self.dynamic) * pressure + self.cohesion
-        return float(np.max(fall / self.distance))
+        return float(np.max(fall / self.distance, initial=0.0))
 
 
 @with_quantities

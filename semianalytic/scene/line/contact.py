@@ -9,10 +9,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from semianalytic.scene.arguments import checking_methods
+from semianalytic.scene.arguments import checking_methods, floats_of
 from semianalytic.scene.arrays import Array, Mask
-from semianalytic.scene.checks import shown
+from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.laws.law import not_negative, positive
@@ -49,15 +50,13 @@ class Contact:
     intervals: Sequence[tuple[float, float]] = ((-math.inf, math.inf),)
 
     def __post_init__(self) -> None:
-        try:
-            parts = sorted((float(begin), float(end)) for begin, end in self.intervals)
-        except (TypeError, ValueError):
-            parts = []
-        if not parts:
+        ends = floats_of(self.intervals)
+        if ends is None or ends.shape[1:] != (2,) or not len(ends):
             raise SceneError(
                 "contact: intervals must be pairs of begin and end, such as [[-1, 1]], got "
                 f"{shown(self.intervals)}."
             )
+        parts = sorted(map(tuple, ends.tolist()))
         for begin, end in parts:
             if not begin < end:
                 raise SceneError(
@@ -80,7 +79,7 @@ class Contact:
         """Whether the bodies touch everywhere."""
         return self.intervals == ((-math.inf, math.inf),)
 
-    def touches(self, x: Sequence[float] | Array) -> Mask:
+    def touches(self, x: ArrayLike) -> Mask:
         """Return whether the bodies touch at positions x, (n,)."""
         x = np.asarray(x, dtype=float)
         return np.any([(begin < x) & (x < end) for begin, end in self.intervals], axis=0)
@@ -113,7 +112,7 @@ class Contact:
         A grid has ends midway between two of its nodes.  The result is the largest distance over
         the node distance, 0 to 1/2, on a grid that is moved by `shift` [length].
         """
-        ends = (self.ends(length) - shift) * nodes / length
+        ends = (self.ends(length) - shift) / _cell(length, nodes)
         off = np.abs(ends - np.rint(ends))
         return float(np.max(np.where(off > FITS, off, 0.0), initial=0.0))
 
@@ -125,7 +124,7 @@ class Contact:
         """
         if self.misfit(length, nodes) == 0:
             return 0.0
-        cell = length / nodes
+        cell = _cell(length, nodes)
         parts = np.sort(self.ends(length) / cell % 1.0)
         # On the circle of a cell, the places of ends lie best about the middle of their arc, which
         # begins behind the widest gap between them.
@@ -134,7 +133,7 @@ class Contact:
         middle = float(parts[(widest + 1) % len(parts)] + (1 - gaps[widest]) / 2)
         nearest = (middle - round(middle)) * cell
         other = nearest - math.copysign(cell, nearest)
-        return min(nearest, other, key=lambda shift: self.misfit(length, nodes // 2, shift))
+        return min(nearest, other, key=lambda shift: self.misfit(length, max(nodes // 2, 1), shift))
 
     def shortened(self, length: float, nodes: int, shift: float = 0.0) -> Contact:
         """Return a contact shorter by one node of a grid of half the nodes at each displaced end.
@@ -142,7 +141,7 @@ class Contact:
         The change of the answer measures the error due to the displaced ends, which are `misfit`
         node distances off: half that share of a node of the coarser grid.
         """
-        cell = 2 * length / nodes
+        cell = 2 * _cell(length, nodes)
 
         def inward(end: float, sign: int) -> float:
             # for an end at the right sign = 1, at the left -1
@@ -173,7 +172,8 @@ class Contact:
             the number of nodes, up to one and a half times `least`, on half of which they are least
             misplaced, and any other one has `least`.
         """
-        for times in range(halvings, -1, -1):
+        least = checked_count("contact: least", least, 1, "a whole number from")
+        for times in range(min(halvings, least.bit_length()), -1, -1):
             unit = max(4, 2**times)
             for nodes in range(-(-least // unit) * unit, 2 * least + 1, unit):
                 if self.misfit(length, nodes >> times) == 0:
@@ -188,6 +188,12 @@ class Contact:
             return max(self.misfit(length, nodes // 2, self.shift(length, nodes)), 0.02)
 
         return min(near, key=misplaced)
+
+
+def _cell(length: float, nodes: int) -> float:
+    """Return the node distance of a grid [length]."""
+    count = checked_count("contact: nodes", nodes, 1, "a whole number from")
+    return checked_size("contact: length", length) / count
 
 
 @checking_methods
@@ -238,7 +244,6 @@ class Adhesion(Alike):
     def tension(self, gap: Array, opened: Array) -> Array:
         """Return the tension at gaps (n,), the largest gaps so far being (n,) [stress]."""
         left = self.strength * np.maximum(1 - np.maximum(gap, opened) / self.length, 0.0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            # the faces of slots, which have never parted here, may come nearer
-            back = (gap < opened) & (opened > 0)
-            return np.asarray(np.where(back, left * gap / opened, left))
+        # the faces of slots, which have never parted here, may come nearer
+        back = (gap < opened) & (opened > 0)
+        return np.asarray(np.where(back, left * gap / opened, left))

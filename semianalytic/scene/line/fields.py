@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from semianalytic.scene.arguments import checking
+from semianalytic.scene.arguments import checking, floats_of
 from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
@@ -81,13 +81,10 @@ class Table(Alike):
 
     def __post_init__(self) -> None:
         for name in ("x", "values"):
-            try:
-                given = np.array(getattr(self, name), dtype=float)  # the caller keeps its own
-            except (TypeError, ValueError, OverflowError):  # words, or rows of different lengths
-                given = np.empty(0)
-            if given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
+            given = floats_of(getattr(self, name))
+            if given is None or given.ndim != 1 or len(given) < 2 or not np.isfinite(given).all():
                 raise SceneError(f"table: {name} must be two or more finite numbers.")
-            object.__setattr__(self, name, given)
+            object.__setattr__(self, name, given.copy())  # the caller keeps its own
         if len(self.x) != len(self.values) or not (np.diff(self.x) >= 0).all():
             raise SceneError("table: x must increase and be as long as values.")
 

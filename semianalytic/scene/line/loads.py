@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,8 @@ from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.quantities import with_quantities
+
+Part = Literal["shear", "pressure"]
 
 
 @checking_methods
@@ -82,12 +84,12 @@ class InterfaceLoad(Alike):
                     f"{shown(given)}; leave history out for a step, or give a function of t."
                 )
 
-    def acts(self, name: str) -> bool:
+    def acts(self, name: Part) -> bool:
         """Return whether the load has "shear" or "pressure": anything but the number 0."""
         given = getattr(self, name)
         return callable(given) or float(given) != 0
 
-    def traction(self, x: ArrayLike, t: float, after: bool = False, of: str = "shear") -> Array:
+    def traction(self, x: ArrayLike, t: float, after: bool = False, of: Part = "shear") -> Array:
         """Return the shear, or the pressure, at positions x (n,) at a time, (n,) [stress].
 
         At a jump of the history this is the value before it, or the one `after` it.
@@ -186,7 +188,7 @@ class FrontLoad(Alike):
         """Whether its front runs along x, and is not everywhere at once."""
         return isinstance(self.front, MovingLoad) or self.front.angle != 0
 
-    def acts(self, name: str) -> bool:
+    def acts(self, name: Part) -> bool:
         """Return whether the load has "shear" or "pressure"."""
         front = self.front
         if isinstance(front, MovingLoad):

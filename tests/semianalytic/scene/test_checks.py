@@ -3,6 +3,7 @@
 import copy
 import pickle
 from dataclasses import fields, is_dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
@@ -306,15 +307,64 @@ METHODS = [
     (fem.Block, BLOCK, "far_side"),
     (slipfront.reference.viscous_edge_speed, FILM, "mode"),
     (slipfront.reference.viscous_edge_speed, FILM, "viscosity"),
+    (slipfront.reference.viscous_edge_speed, FILM, "strength_ratio"),
+    (sf.InterfaceLoad(1.0).acts, {"name": "shear"}, "name"),
+    (sf.InterfaceLoad(1.0).traction, {"x": NODES, "t": 1.0}, "of"),
+    (sf.Contact(((-1.0, 1.0),)).misfit, {"length": 8.0, "nodes": 8}, "nodes"),
+    (sf.Contact(((-1.0, 1.0),)).shortened, {"length": 8.0, "nodes": 8}, "length"),
+    (sf.Contact, {}, "intervals"),
+    (SOLVED.arrival, {"x": NODES}, "of"),
+    (fem.cost, {"scene": PRELOADED}, "snapshots"),
+    (fem.cost, {"scene": PRELOADED}, "memory"),
 ]
+
+
+class Failing:
+    """What a frame of another package may be: it has a shape, and no array can be made of it."""
+
+    shape = (4,)
+
+    def __array__(self, *options, **more):
+        raise RuntimeError("no array of this")
 
 
 @pytest.mark.thinned(5)
 @pytest.mark.parametrize(("method", "right", "name"), METHODS)
-@pytest.mark.parametrize("wrong", [[[1.0], [1.0, 2.0]], "word", set(), b"ab", 10**400], ids=shown)
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        *([[1.0], [1.0, 2.0]], "word", set(), b"ab", 10**400, Failing(), 1j * NODES),
+        *(np.ma.masked_less(NODES, 1.0), np.array(["2020-01-01"], dtype="M8[D]"), Decimal(1)),
+    ],
+    ids=lambda wrong: type(wrong).__name__,
+)
 def test_methods_name_the_argument_of_a_wrong_type(method, right, name, wrong):
     with pytest.raises(sf.SceneError, match=rf"\b{name}\b.* got .*\.$"):
         method(**right | {name: wrong})
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_methods_of_laws_take_lists_and_return_nan_without_a_warning(law):
+    known = law.strength(NODES, NODES, NODES)
+    for row in (NODES.tolist(), NODES.astype(object), [Fraction(2, 5)] * 4):
+        np.testing.assert_array_equal(law.strength(row, NODES, row), known)
+    assert law.strength(-1, np.float32(0.5), 1) == law.strength(-1.0, 0.5, 1.0)
+    for wrong in (np.nan, -0.5, 0.0, np.inf):
+        for name in ("pressure", "speed", "state"):
+            found = law.strength(**{"pressure": NODES, "speed": NODES, "state": NODES, name: wrong})
+            assert np.shape(found) == NODES.shape
+    assert not law.weakening([])
+
+
+def test_limits_of_closed_forms_are_said_where_no_root_exists():
+    with pytest.raises(sf.SceneError, match=r"poisson_ratio above -0\.42"):
+        sf.regimes.log_narrow_reverse_threshold(-0.5)
+    for ratio in (1e-20, 1e30):
+        with pytest.raises(sf.SceneError, match="strength_ratio must"):
+            slipfront.reference.viscous_edge_speed(**FILM | {"strength_ratio": ratio})
+    for nu in (-0.3, -0.6):  # where the shear front slips first, the contact is at rest
+        viscous, dry = (sf.regimes.nucleation("remote", nu, film) for film in (0.5, 0.0))
+        assert viscous == pytest.approx(dry, rel=1e-4)
 
 
 def test_positions_and_times_that_do_not_fit_are_refused_with_their_shapes():

@@ -192,8 +192,8 @@ def test_many_points_of_a_plane_are_single_solutions():
     [
         ({"frction": [0.1]}, {}, "no parameter 'frction'; did you mean friction?"),
         ({"rise_time": [0.1]}, {}, "no parameter 'rise_time'; it has friction, "),
-        ({"friction": []}, {}, "must be a number or a row of numbers"),
-        ({"friction": [np.nan]}, {}, "must hold finite numbers only"),
+        ({"friction": []}, {}, "must be a number or a row of finite"),
+        ({"friction": [np.nan]}, {}, "must be a number or a row of finite"),
         ({}, {}, "give values of at least one"),
         ({"viscosity": [1], "friction_law.viscosity": [1]}, {}, "viscosity is given twice"),
         (
