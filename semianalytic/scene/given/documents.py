@@ -264,7 +264,10 @@ class _Reading:
                 f"left out for x > 0 next to a slot, got {shown(value)}."
             )
         check_keys("contact.", value, ("intervals",))
-        return Contact(value["intervals"])
+        ends = {"-inf": -math.inf, "inf": math.inf}  # JSON has no infinity
+        parts = value["intervals"] if isinstance(value["intervals"], list) else ()
+        rows = (part if isinstance(part, list) else () for part in parts)
+        return Contact([[ends.get(str(end), end) for end in row] for row in rows])
 
     def load(self, given: Any, contact: Contact) -> Any:
         """Return the load that a table describes."""

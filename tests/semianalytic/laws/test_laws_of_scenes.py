@@ -169,7 +169,7 @@ def test_a_table_gives_dynamic_friction_or_the_part_that_is_lost():
         ({"kind": "viscous"}, "kind must be one of coulomb"),
         ({"kind": "coulomb", "friction": 0.2}, "friction is friction_law.friction; leave"),
         (WEAKENING | {"reduction": 2}, "between 0 and 1, got 2"),
-        (WEAKENING | {"reduction": 0, "dynamic": 0}, "without dynamic"),
+        (WEAKENING | {"reduction": 0, "dynamic": 0}, "excludes dynamic"),
         ({"kind": "forced-front"}, "friction_law.dynamic is missing"),
     ],
 )
