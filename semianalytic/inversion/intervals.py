@@ -18,6 +18,8 @@ NEAR = 0.1
 """Difference from `RISE` at which an end is found: within a twentieth of its distance."""
 FARTHEST = 20.0
 """Standard errors at which the search for an end stops; there is none to this side then."""
+SETTLED = 1e-3
+"""Relative change of chi2 that ends a fit of the other values."""
 
 
 def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, Array | None]:
@@ -125,14 +127,19 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
     # The derivatives at the minimum say where to, and are all that slow trials are given.
     slopes = best.jacobian[:, others]
     steps = 1e-3 / sizes[others]
+    formed = [(np.inf, slopes)]  # chi2 and derivatives where these were formed last
 
     def jacobian(part: Array) -> Array:
-        if trials.is_slow:
-            return slopes
+        here = misfit(part)
+        before, last = formed[-1]
+        # `least_squares` asks once more where it ends, for nothing.
+        if trials.is_slow or before - here @ here < SETTLED * before < np.inf:
+            return last
         # Differences, since the derivatives of `trials` are those a little off the edges of slip
         # (`Samples.clear`), where chi2 has its kinks.
         beside = [whole(part + step) for step in np.diag(steps)]
-        return (trials.misfits(beside, exact=True) - misfit(part)).T / steps
+        formed.append((here @ here, (trials.misfits(beside, exact=True) - here).T / steps))
+        return formed[-1][1]
 
     def misfit(part: Array) -> Array:
         return trials.misfit(whole(part))
@@ -144,8 +151,8 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
         jac=jacobian,
         bounds=(low, high),
         xtol=1e-9,
-        ftol=1e-3,
-        gtol=1e-3,
+        ftol=SETTLED,
+        gtol=SETTLED,
         max_nfev=6,
     )
     return whole(found.x), 2 * float(found.cost)
