@@ -131,14 +131,14 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
 
     def jacobian(part: Array) -> Array:
         here = misfit(part)
-        before, last = formed[-1]
+        chi2, (before, last) = float(here @ here), formed[-1]
         # `least_squares` asks once more where it ends, for nothing.
-        if trials.is_slow or before - here @ here < SETTLED * before < np.inf:
+        if trials.is_slow or before - chi2 < SETTLED * before < np.inf:
             return last
         # Differences, since the derivatives of `trials` are those a little off the edges of slip
         # (`Samples.clear`), where chi2 has its kinks.
         beside = [whole(part + step) for step in np.diag(steps)]
-        formed.append((here @ here, (trials.misfits(beside, exact=True) - here).T / steps))
+        formed.append((chi2, (trials.misfits(beside, exact=True) - here).T / steps))
         return formed[-1][1]
 
     def misfit(part: Array) -> Array:
