@@ -92,4 +92,7 @@ def integrated(slopes: Array, length: float, start: float) -> Array:
 def padded(parts: Sequence[Array]) -> Array:
     """Stack coefficients of functions of different degree, (f, count, m)."""
     most = max(part.shape[1] for part in parts)
-    return np.stack([np.pad(part, ((0, 0), (0, most - part.shape[1]))) for part in parts])
+    result = np.zeros((len(parts), len(parts[0]), most))
+    for row, part in zip(result, parts, strict=True):
+        row[:, : part.shape[1]] = part
+    return result
