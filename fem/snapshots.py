@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cached_property
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
+import meshio
 import numpy as np
+from meshio.vtu import _vtu
 from numpy.typing import NDArray
 from scipy import sparse
 
@@ -17,19 +21,21 @@ from fem.budget import free_space
 from fem.loading import arrived_wave
 from fem.model import Model
 from fem.settings import COMPANIONS
-from meshes.vtu import FieldMesh
 from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import Material
 
 INDEX = "fields.pvd"
+CELLS = {"squares": "quad", "triangles": "triangle"}
+"""VTK's names of the elements, whose nodes scikit-fem puts in the same order."""
 PRECISION = np.float32
 """Type of the fields in a frame.  Its rounding, 6e-8, is far below the errors of any mesh; in
 double precision a frame is 1.7 times as large and takes 1.7 times as long to write and to read."""
-MIRRORED = np.array([[-1], [-1], [1], [-1], [1]])
-"""Signs of the stresses, in the order of `STRESSES`, where the lower body moves oppositely."""
-STRESSES = ("sigma_xx", "sigma_yy", "sigma_xy", "sigma_xz", "sigma_yz")
+COMPRESSION_LEVEL = 1
+"""Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
+3.4 times as long and saves 3 %."""
+_compressed = lru_cache(maxsize=1024)(partial(zlib.compress, level=COMPRESSION_LEVEL))
+"""Blocks of 32 kB, compressed; those of the mesh come again in each frame."""
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
@@ -68,7 +74,8 @@ class Snapshots:
         points, cells = both_blocks(model)
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         # nodes are fewer than 2^31; their numbers in 32 bits are written in two thirds of the time
-        self._cells = cells.T.astype(np.int32)
+        self._cells = [(CELLS[model.plan.settings.mesh], cells.T.astype(np.int32))]
+        self._centres = self._points[cells.T, :2].mean(axis=1).T
         # (time, name) of the frames that the index lists
         self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
         # why frames are missing, as a sentence, and whether one failed, after which none is tried
@@ -106,7 +113,7 @@ class Snapshots:
                 f"{str(error).rstrip('.')}; snapshots from t = {time:.6g} on are missing."
             )
 
-    def _frame(self, time: float) -> FieldMesh:
+    def _frame(self, time: float) -> meshio.Mesh:
         """Return the fields at a time level, after its kick and before its drift."""
         bodies, step = self.model.bodies, self.model.time_step
         displacement = spread(self.model, [body.displacement for body in bodies])
@@ -116,71 +123,82 @@ class Snapshots:
         if wave is not None:
             displacement = displacement + wave.displacement.T
             velocity = velocity + wave.velocity.T
-        moved = {"displacement": displacement, "velocity": velocity}
-        at_nodes, in_elements = (
-            {name: field.astype(PRECISION) for name, field in fields.items()}
-            for fields in (moved, stress)
+        return meshio.Mesh(
+            self._points,
+            self._cells,
+            point_data={
+                "displacement": displacement.astype(PRECISION),
+                "velocity": velocity.astype(PRECISION),
+            },
+            cell_data={name: [field.astype(PRECISION)] for name, field in stress.items()},
         )
-        return FieldMesh(self._points, self._cells, at_nodes, in_elements)
 
     def _stress(self, displacement: Array, time: float) -> dict[str, Array]:
         """Return the stress at the centre of each element under what the slot scatters, the base
         and an incident wave."""
         scene = self.model.plan.scene
-        above, below = np.split(displacement, 2)
-        upper = self._change(above, scene.bodies[0], self._slopes[1])
-        lower = MIRRORED[: len(upper)] * upper
-        if self.model.lower:  # their positions are those of their mirror images
-            lower = self._change(below, scene.bodies[1], -self._slopes[1])
-        stress = dict(zip(STRESSES, np.concatenate([upper, lower], axis=1), strict=False))
-        wave = arrived_wave(scene, self._centres[0], self._centres[1], time)
+        antiplane, (x, y) = scene.antiplane, self._centres
+        wave = arrived_wave(scene, x, y, time)
         held = scene.superposition.in_place if wave is None else scene.base
-        stress["sigma_yy"] -= held.pressure
-        stress["sigma_yz" if scene.antiplane else "sigma_xy"] += held.shear
+        (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
+        mu, bulk = (
+            np.where(y < 0, *(value(body) for body in reversed(scene.bodies)))
+            for value in (
+                lambda material: material.shear_modulus,
+                lambda material: material.density * material.longitudinal_speed**2,
+            )
+        )
+        stress = {
+            "sigma_xx": bulk * uxx + (bulk - 2 * mu) * uyy,
+            "sigma_yy": bulk * uyy + (bulk - 2 * mu) * uxx - held.pressure,
+            "sigma_xy": mu * (uxy + uyx) + (0.0 if antiplane else held.shear),
+        }
+        if antiplane:
+            stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + held.shear}
         if wave is not None:
             stress = {name: values + wave.stress[name[-2:]] for name, values in stress.items()}
         return stress
 
-    def _change(self, displacement: Array, material: Material, across: sparse.csr_array) -> Array:
-        """Return the stresses of the displacement (n, 3) of a body, (3 or 5, m).
-
-        The matrix `across` gives derivatives along y.
-        """
-        mu, bulk = material.shear_modulus, material.density * material.longitudinal_speed**2
-        moved = displacement if self.model.plan.scene.antiplane else displacement[:, :2]
-        x, y = ((slope @ moved).T for slope in (self._slopes[0], across))
-        (uxx, uyx), (uxy, uyy) = x[:2], y[:2]
-        plane = bulk * uxx + (bulk - 2 * mu) * uyy, bulk * uyy + (bulk - 2 * mu) * uxx
-        return np.concatenate([[*plane, mu * (uxy + uyx)], mu * x[2:], mu * y[2:]])
+    def _gradient(self, displacement: Array) -> Array:
+        """Return the gradient d_j u_i at the centre of each element, (3, 2, elements), i first."""
+        upper, lower = (
+            (self._slopes @ part).T.reshape(3, 2, -1) for part in np.split(displacement, 2)
+        )
+        return np.concatenate([upper, lower * [[1], [-1]]], axis=2)
 
     @cached_property
-    def _centres(self) -> Array:
-        """The centres of the elements of both blocks, (2, m)."""
-        return np.asarray(self._points[self._cells, :2].mean(axis=1).T)
-
-    @cached_property
-    def _slopes(self) -> tuple[sparse.csr_array, sparse.csr_array]:
-        """The derivatives along x and y at the centre of each element of the upper block, as
-        matrices that are multiplied by values at the nodes."""
+    def _slopes(self) -> sparse.csr_array:
+        """Matrix from values at the nodes of a block to d_x, then d_y, at its elements' centres."""
         basis = self.model.space.basis
         # d_j u = sum over the nodes of an element of u d_j (shape function)
-        slopes = np.stack([shape.grad[..., 0] for (shape,) in basis.basis], axis=2)
-        ends, nodes = np.arange(slopes[0].size + 1, step=slopes.shape[2]), basis.element_dofs.T
-        along, across = (
-            sparse.csr_array((slope.ravel(), nodes.ravel(), ends), (basis.nelems, basis.N))
-            for slope in slopes
-        )
-        return along, across
+        shapes = np.stack([shape.grad[..., 0] for (shape,) in basis.basis], axis=2)
+        nodes = np.broadcast_to(basis.element_dofs.T, shapes.shape).ravel()
+        ends = np.arange(shapes.size + 1, step=shapes.shape[2])
+        return sparse.csr_array((shapes.ravel(), nodes, ends), (2 * basis.nelems, basis.N))
 
 
 @contextmanager
-def new_frame(path: Path, mesh: FieldMesh, run: str) -> Iterator[None]:
+def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
     """Open a frame of a run for writing; it gets its name when the context ends without error."""
     with new_file(path, seal=Seal.XML) as part:
-        with part.open("r+b") as stream:
-            stream.writelines(mesh.parts())
+        with _quick_compression():
+            meshio.write(part, mesh, file_format="vtu")
+        with part.open("ab") as stream:
             stream.write(f"<!-- slipfront run {run} -->\n".encode())
         yield
+
+
+@contextmanager
+def _quick_compression() -> Iterator[None]:
+    """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option.
+
+    Its VTU writer calls `zlib.compress(block)` of the module zlib that it has imported.
+    """
+    _vtu.zlib = SimpleNamespace(compress=_compressed, decompress=zlib.decompress)
+    try:
+        yield
+    finally:
+        _vtu.zlib = zlib  # not what was found: that may be the stand-in of another thread
 
 
 def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:

@@ -113,8 +113,9 @@ def write_frames(
     window x0, x1, y0, y1 [length] has as many cells along x and y as the grid says; `progress` is
     called with (frame, frames) after each.
     """
+    import meshio
+
     from fem.snapshots import INDEX, forget_other_frames, new_frame, write_index
-    from meshes.vtu import FieldMesh
 
     x, y, cells = grid_of(window, grid)
     middle_x, middle_y = x[cells].mean(axis=1), y[cells].mean(axis=1)
@@ -127,9 +128,10 @@ def write_frames(
             rows = in_parts(getattr(fields, name), x, y, time)
             vector[:, : len(rows)] = rows.T
         stress = in_parts(fields.stress, middle_x, resolved(fields, middle_y), time)
-        tensor = {f"sigma_{axes}": row for axes, row in zip(_AXES, stress, strict=False)}
+        tensor = {f"sigma_{axes}": [row] for axes, row in zip(_AXES, stress, strict=False)}
         name = f"fields-{number:04d}.vtu"
-        with new_frame(folder / name, FieldMesh(points, cells, vectors, tensor), run):
+        mesh = meshio.Mesh(points, [("quad", cells)], point_data=vectors, cell_data=tensor)
+        with new_frame(folder / name, mesh, run):
             frames.append((float(time), name))
         write_index(folder, frames, run)
         if progress is not None:

@@ -92,7 +92,4 @@ def integrated(slopes: Array, length: float, start: float) -> Array:
 def padded(parts: Sequence[Array]) -> Array:
     """Stack coefficients of functions of different degree, (f, count, m)."""
     most = max(part.shape[1] for part in parts)
-    result = np.zeros((len(parts), len(parts[0]), most))
-    for row, part in zip(result, parts, strict=True):
-        row[:, : part.shape[1]] = part
-    return result
+    return np.stack([np.hstack([p, np.zeros((len(p), most - p.shape[1]))]) for p in parts])

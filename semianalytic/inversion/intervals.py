@@ -18,8 +18,6 @@ NEAR = 0.1
 """Difference from `RISE` at which an end is found: within a twentieth of its distance."""
 FARTHEST = 20.0
 """Standard errors at which the search for an end stops; there is none to this side then."""
-SETTLED = 1e-3
-"""Relative change of chi2 that ends a fit of the other values."""
 
 
 def intervals(best: Minimum, covariance: Array, trials: Trials) -> tuple[Array, Array | None]:
@@ -124,16 +122,16 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
         values[others] = part
         return values
 
-    # The derivatives at the minimum say where to, and are all that slow trials are given.
-    slopes = best.jacobian[:, others]
     steps = 1e-3 / sizes[others]
-    formed = [(np.inf, slopes)]  # chi2 and derivatives where these were formed last
+    # Chi2 and derivatives where these were formed last: those at the minimum say where to, and are
+    # all that slow trials are given.
+    formed = [(np.inf, best.jacobian[:, others])]
 
     def jacobian(part: Array) -> Array:
         here = misfit(part)
         chi2, (before, last) = float(here @ here), formed[-1]
-        # `least_squares` asks once more where it ends, for nothing.
-        if trials.is_slow or before - chi2 < SETTLED * before < np.inf:
+        # `least_squares` asks once more where `ftol` ends it, for nothing.
+        if trials.is_slow or before - chi2 < 1e-3 * before < np.inf:
             return last
         # Differences, since the derivatives of `trials` are those a little off the edges of slip
         # (`Samples.clear`), where chi2 has its kinks.
@@ -151,8 +149,8 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
         jac=jacobian,
         bounds=(low, high),
         xtol=1e-9,
-        ftol=SETTLED,
-        gtol=SETTLED,
+        ftol=1e-3,
+        gtol=1e-3,
         max_nfev=6,
     )
     return whole(found.x), 2 * float(found.cost)

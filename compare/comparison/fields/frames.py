@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import zlib
+from base64 import b64decode
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -52,7 +54,6 @@ class Mesh:
     """Mesh of both bodies, with the areas that its nodes and elements stand for."""
 
     points: Array  # (n, 2) array: nodes [length]
-    cells: NDArray[np.integer[Any]]  # (m, k) array: nodes of each element
     # (n,) array: second coordinate of the nodes, with the sign of their body: -0.0 on the lower
     # face
     y: Array
@@ -88,8 +89,6 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
     The mesh of an earlier frame is used again if this frame has the same: areas and centres take
     almost as long as reading.
     """
-    from meshes.vtu import CELLS, POINTS, array_in
-
     try:
         check_seal(path)
         arrays = {entry.get("Name"): entry for entry in ElementTree.parse(path).iter("DataArray")}
@@ -98,15 +97,15 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
         moved = {
             f"{symbol}_{axis}": values
             for symbol, name in (("v", "velocity"), ("u", "displacement"))
-            for axis, values in zip(axes, array_in(arrays[name]).T, strict=False)
+            for axis, values in zip(axes, _values(arrays[name]).T, strict=False)
         }
         names = IN_PLANE + (OUT_OF_PLANE if antiplane else ())
-        stress = {name: array_in(arrays[name]) for name in names}
-        text = arrays[POINTS].text, arrays[CELLS].text
+        stress = {name: _values(arrays[name]) for name in names}
+        text = arrays["Points"].text, arrays["connectivity"].text
         if known is None or known.text != text:
-            corners = int(array_in(arrays["offsets"])[0])
-            cells = array_in(arrays[CELLS]).reshape(-1, corners)
-            known = _mesh(array_in(arrays[POINTS])[:, :2], cells, text)
+            corners = int(_values(arrays["offsets"])[0])
+            cells = _values(arrays["connectivity"]).reshape(-1, corners)
+            known = _mesh(_values(arrays["Points"])[:, :2], cells, text)
     except Exception as error:  # a damaged file can be wrong in any way
         raise DataFileError(f"{path} cannot be read as a snapshot; simulate again.") from error
     if not all(np.isfinite(values).all() for values in (moved | stress).values()):
@@ -115,6 +114,19 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
     return Frame(
         time, nodes, Places(known.centre[:, 0], known.centre[:, 1], known.area, stress), known
     )
+
+
+def _values(entry: ElementTree.Element) -> NDArray[Any]:
+    """Return the array (n,), or (n, k), of a VTU file: sizes of blocks, and blocks, compressed."""
+    text = (entry.text or "").strip()
+    count = int.from_bytes(b64decode(text[:8])[:4], "little")
+    end = 4 * math.ceil(4 * (3 + count) / 3)  # four characters stand for three bytes
+    sizes = np.frombuffer(b64decode(text[:end]), "<u4")[3:]
+    blocks, ends = b64decode(text[end:]), np.cumsum(sizes, dtype=int)
+    raw = b"".join(zlib.decompress(blocks[at - n : at]) for at, n in zip(ends, sizes, strict=True))
+    values = np.frombuffer(raw, np.dtype(entry.attrib["type"].lower()).newbyteorder("<"))
+    width = int(entry.get("NumberOfComponents", 1))
+    return values.reshape(-1, width) if width > 1 else values
 
 
 def _mesh(points: Array, cells: NDArray[np.integer[Any]], text: tuple[str | None, ...]) -> Mesh:
@@ -129,7 +141,7 @@ def _mesh(points: Array, cells: NDArray[np.integer[Any]], text: tuple[str | None
     share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
     held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
     height = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
-    return Mesh(points, cells, height, held, centre, area, text)
+    return Mesh(points, height, held, centre, area, text)
 
 
 def last_frame(folder: Path, run: str | None = None) -> Frame:
