@@ -6,7 +6,7 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -15,6 +15,7 @@ import meshio
 import numpy as np
 from meshio.vtu import _vtu
 from numpy.typing import NDArray
+from scipy import sparse
 
 from fem.budget import free_space
 from fem.loading import arrived_wave
@@ -74,6 +75,7 @@ class Snapshots:
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         # nodes are fewer than 2^31; their numbers in 32 bits are written in two thirds of the time
         self._cells = [(CELLS[model.plan.settings.mesh], cells.T.astype(np.int32))]
+        self._centres = self._points[cells.T, :2].mean(axis=1).T
         # (time, name) of the frames that the index lists
         self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
         # why frames are missing, as a sentence, and whether one failed, after which none is tried
@@ -135,13 +137,12 @@ class Snapshots:
         """Return the stress at the centre of each element under what the slot scatters, the base
         and an incident wave."""
         scene = self.model.plan.scene
-        antiplane, centres = scene.antiplane, self._points[self._cells[0][1], :2].mean(axis=1)
-        wave = arrived_wave(scene, centres[:, 0], centres[:, 1], time)
+        antiplane, (x, y) = scene.antiplane, self._centres
+        wave = arrived_wave(scene, x, y, time)
         held = scene.superposition.in_place if wave is None else scene.base
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
-        lower = centres[:, 1] < 0
         mu, bulk = (
-            np.where(lower, *(value(body) for body in reversed(scene.bodies)))
+            np.where(y < 0, *(value(body) for body in reversed(scene.bodies)))
             for value in (
                 lambda material: material.shear_modulus,
                 lambda material: material.density * material.longitudinal_speed**2,
@@ -160,17 +161,20 @@ class Snapshots:
 
     def _gradient(self, displacement: Array) -> Array:
         """Return the gradient d_j u_i at the centre of each element, (3, 2, elements), i first."""
+        upper, lower = (
+            (self._slopes @ part).T.reshape(3, 2, -1) for part in np.split(displacement, 2)
+        )
+        return np.concatenate([upper, lower * [[1], [-1]]], axis=2)
+
+    @cached_property
+    def _slopes(self) -> sparse.csr_array:
+        """Matrix from values at the nodes of a block to d_x, then d_y, at its elements' centres."""
         basis = self.model.space.basis
-        parts = []
-        for part in np.split(displacement, len(displacement) // basis.N):
-            gradient = np.zeros((3, 2, basis.nelems))
-            # d_j u_i = sum over the nodes of an element of u_i d_j (shape function)
-            for (shape,), nodes in zip(basis.basis, basis.element_dofs, strict=True):
-                gradient += part[nodes].T[:, None] * shape.grad[..., 0]
-            parts.append(gradient)
-        for mirrored in parts[1:]:
-            mirrored[:, 1] *= -1
-        return np.concatenate(parts, axis=2)
+        # d_j u = sum over the nodes of an element of u d_j (shape function)
+        shapes = np.stack([shape.grad[..., 0] for (shape,) in basis.basis], axis=2)
+        nodes = np.broadcast_to(basis.element_dofs.T, shapes.shape).ravel()
+        ends = np.arange(shapes.size + 1, step=shapes.shape[2])
+        return sparse.csr_array((shapes.ravel(), nodes, ends), (2 * basis.nelems, basis.N))
 
 
 @contextmanager

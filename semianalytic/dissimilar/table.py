@@ -92,4 +92,4 @@ def integrated(slopes: Array, length: float, start: float) -> Array:
 def padded(parts: Sequence[Array]) -> Array:
     """Stack coefficients of functions of different degree, (f, count, m)."""
     most = max(part.shape[1] for part in parts)
-    return np.stack([np.pad(part, ((0, 0), (0, most - part.shape[1]))) for part in parts])
+    return np.stack([np.hstack([p, np.zeros((len(p), most - p.shape[1]))]) for p in parts])

@@ -122,17 +122,22 @@ def _refitted(trials: Trials, best: Minimum, start: Array, place: int) -> tuple[
         values[others] = part
         return values
 
-    # The derivatives at the minimum say where to, and are all that slow trials are given.
-    slopes = best.jacobian[:, others]
     steps = 1e-3 / sizes[others]
+    # Chi2 and derivatives where these were formed last: those at the minimum say where to, and are
+    # all that slow trials are given.
+    formed = [(np.inf, best.jacobian[:, others])]
 
     def jacobian(part: Array) -> Array:
-        if trials.is_slow:
-            return slopes
+        here = misfit(part)
+        chi2, (before, last) = float(here @ here), formed[-1]
+        # `least_squares` asks once more where `ftol` ends it, for nothing.
+        if trials.is_slow or before - chi2 < 1e-3 * before < np.inf:
+            return last
         # Differences, since the derivatives of `trials` are those a little off the edges of slip
         # (`Samples.clear`), where chi2 has its kinks.
         beside = [whole(part + step) for step in np.diag(steps)]
-        return (trials.misfits(beside, exact=True) - misfit(part)).T / steps
+        formed.append((chi2, (trials.misfits(beside, exact=True) - here).T / steps))
+        return formed[-1][1]
 
     def misfit(part: Array) -> Array:
         return trials.misfit(whole(part))

@@ -84,16 +84,19 @@ def field_errors(
     widest = BAND * COARSEST * size / scene.material.shear_speed
     fronts = fronts_in(prediction, scene, shortest=widest)
     listed = listed_frames(folder, simulation.run)
-    frames: list[tuple[FieldError, ...]] = []
+    frames: list[Frame] = []
     mesh, fields = None, cast(AnswerInBodies, prediction)
     for number, entry in enumerate(listed, start=1):
         frame = read_frame(*entry, mesh)
         mesh, frame = frame.mesh, _undisturbed(simulation, frame, size)
-        most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
-        pairs = frame_pairs(fields, frame, most)
-        frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
+        frames.append(frame.thinned(SEEN_LAST if number == len(listed) else SEEN_BEFORE))
         if progress is not None:
             progress(number, len(listed))
+    pairs = frame_pairs(fields, frames)
+    errors = tuple(
+        tuple(pair_errors(found, fronts, moment.time, BAND * size))
+        for found, moment in zip(pairs, frames, strict=True)
+    )
     coarser = companion_frames(simulation, folder)
     meshes = [
         (size, frame),
@@ -102,10 +105,10 @@ def field_errors(
     width = BAND * max(cell for cell, _ in meshes)
 
     def predict(coarser: Frame) -> dict[str, Pair]:
-        return frame_pairs(fields, coarser, SEEN_LAST)
+        return frame_pairs(fields, [coarser.thinned(SEEN_LAST)])[0]
 
-    changes = field_changes(pairs, [mesh for _, mesh in meshes], fronts, width, predict)
-    return FieldErrors(size, tuple(frames), pairs, changes)
+    changes = field_changes(pairs[-1], [mesh for _, mesh in meshes], fronts, width, predict)
+    return FieldErrors(size, errors, pairs[-1], changes)
 
 
 def _undisturbed(simulation: Simulation, frame: Frame, size: float) -> Frame:

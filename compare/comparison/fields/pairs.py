@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -32,29 +32,33 @@ class Pair:
     predicted: Array
 
 
-def frame_pairs(fields: AnswerInBodies, frame: Frame, most: int) -> dict[str, Pair]:
-    """Return all components of a frame with the prediction there, by name.
+def frame_pairs(fields: AnswerInBodies, frames: Sequence[Frame]) -> list[dict[str, Pair]]:
+    """Return all components of each frame with the prediction there, by name.
 
-    Velocity is compared at so many nodes at most, over the whole mesh, displacement and stress at
-    `SAMPLED` nodes and elements at most.  A mesh made for snapshots is so large that nothing comes
-    back from its sides, which fix the displacement that plane waves do not have
+    The prediction is evaluated once for all frames.  Displacement and stress are compared at
+    `SAMPLED` nodes and elements of a frame at most.  A mesh made for snapshots is so large that
+    nothing comes back from its sides, which fix the displacement that plane waves do not have
     (`meshes.blocks.causal_blocks`).
     """
-    nodes, few = frame.nodes.thinned(most), min(most, SAMPLED)
-    fewer, elements = (places.thinned(few) for places in (frame.nodes, frame.elements))
     base = fields.stress(0.0, 1.0, 0.0)[:, None]
-    stress = fields.stress(elements.x, resolved(fields, elements.y), frame.time) - base
-    predicted = {
-        "v": (nodes, fields.velocity(nodes.x, nodes.y, frame.time)),
-        "u": (fewer, fields.displacement(fewer.x, fewer.y, frame.time)),
-        "sigma": (elements, stress),
+    few = [frame.thinned(SAMPLED) for frame in frames]
+    kinds = {
+        "v": (fields.velocity, [frame.nodes for frame in frames]),
+        "u": (fields.displacement, [frame.nodes for frame in few]),
+        "sigma": (fields.stress, [frame.elements for frame in few]),
     }
-    pairs = {}
-    for kind, (places, rows) in predicted.items():
-        names = [name for name in places.fields if name.startswith(kind)]
-        levels = base if kind == "sigma" else np.zeros((len(names), 1))
-        for name, row, level in zip(names, rows, levels, strict=True):
-            pairs[name] = Pair(name, places, places.fields[name] - level, row)
+    pairs: list[dict[str, Pair]] = [{} for _ in frames]
+    for kind, (field, seen) in kinds.items():
+        counts = [len(places.x) for places in seen]
+        x, y = (np.concatenate([getattr(places, name) for places in seen]) for name in "xy")
+        y = resolved(fields, y) if kind == "sigma" else y
+        rows = field(x, y, np.repeat([frame.time for frame in frames], counts))
+        own = np.split(rows, np.cumsum(counts)[:-1], axis=1)
+        for places, predicted, found in zip(seen, own, pairs, strict=True):
+            names = [name for name in places.fields if name.startswith(kind)]
+            levels = base if kind == "sigma" else np.zeros((len(names), 1))
+            for name, row, level in zip(names, predicted, levels, strict=True):
+                found[name] = Pair(name, places, places.fields[name] - level, row - level)
     return pairs
 
 
