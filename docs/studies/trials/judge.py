@@ -48,6 +48,8 @@ COUNTS: Mapping[str, int] = {
     **{"opening": 4, "antiplane interface": 6},
 }
 """Scenes and interfaces of each kind: 300 and 60."""
+FIRST: Mapping[str, int] = {"pairs": 30, "histories": 30}
+"""Number of the first case of a kind: constants of the judge were chosen on those before."""
 LONGEST = 10.0
 """Longest announced time of a comparison [s], as `fem.Cost` counts it on all machines alike."""
 CATCHABLE, SURE, MOST, WIDER = 1.5, 2.5, 4.0, 1.1
@@ -293,7 +295,11 @@ def points(quick: bool, every: int = 1) -> list[Point]:
     """Return all cases, or the second of every few; the first of each kind for a quick look."""
     counts = {kind: 1 if quick else count for kind, count in COUNTS.items()}
     first = 0 if quick or every == 1 else 1
-    return [(kind, index) for kind, count in counts.items() for index in range(first, count, every)]
+    return [
+        (kind, FIRST.get(kind, 0) + index)
+        for kind, count in counts.items()
+        for index in range(first, count, every)
+    ]
 
 
 STUDIES = [
