@@ -226,8 +226,7 @@ class Plane:
         some = targets[led], every.unknowns[led], every.loose[led]
         for batch in self._batches(pattern, *some, False):
             left.append(self._correct(pattern, certain[led[batch]], every[led[batch]]))
-        rest = joined(left)  # none of them is trusted
-        return replace(rest, doubt=np.maximum(rest.doubt, tuning.LEADING_DOUBT))
+        return joined(left)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _correct(self, pattern: Pattern, certain: np.ndarray, some: Predictions) -> Predictions:
@@ -246,7 +245,7 @@ class Plane:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _compute(self, pattern: Pattern, every: Predictions, origin: str = COMPUTED) -> None:
         """Keep predictions that can be corrected on the fine rule."""
-        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, True):
+        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, False):
             some = every[batch]
             start, sets = perf_counter(), self._sets(pattern, some.points)
             start_from = some.unknowns.T, some.inverse, some.doubt
@@ -255,7 +254,12 @@ class Plane:
             if not len(sound):
                 continue
             now, inverse = done.unknowns[:, sound], done.inverse[sound]
-            footings = _footings(sets.chosen(sound), now, inverse, self.loose)
+            footings: list[Footing] = [Footing(inverse[0], 0.0)] * len(sound)
+            loose = np.full(len(sound), self.loose.tolerance)
+            for like in self._batches(pattern, some.points[sound], now.T, loose, True):
+                them = _footings(sets.chosen(sound[like]), now[:, like], inverse[like], self.loose)
+                for j, footing in zip(like, them, strict=True):
+                    footings[j] = footing
             seconds = (perf_counter() - start) / len(some)
             rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
             parts = zip(now.T, rules, estimates, footings, strict=True)

@@ -180,12 +180,14 @@ def corrected(
     # Near predictions need no steps on the loosest rule: their first step is the chord step below.
     sound = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
+    doubt = np.full(len(predictions), tuning.LEADING_DOUBT)  # of what fails below
     if len(unknowns) and len(far):
         coarse = rule_for(max(loosest, tuning.COARSEST))
         moved, better, left, _ = newton(sets.chosen(far), unknowns[:, far], coarse)
         sound[far] = near = left < np.inf
         unknowns[:, far[near]], inverse[far[near]] = moved[:, near], better[near]
-    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
+        doubt[far[near]] = tuning.LOCATED
+    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse, doubt=doubt)
     # The least tolerance of the batch serves all of its points, which share panels.
     fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
     estimate = predictions.estimate.copy()
