@@ -89,7 +89,7 @@ def predicted(
     # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
     # those from the fine rule predict inverse Jacobians.
     firm = np.array([zone.footing is not None for zone in known])
-    stencils = Neighbourhood(at[firm]).stencils(places)
+    stencils = Neighbourhood(at[firm]).stencils(places, 16)
     # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
     # by the chain rule; `back` returns to unknowns.
     slopes = np.where(shared, _share_slope(values), 1.0)
