@@ -99,7 +99,10 @@ class Neighbourhood:
         return np.asarray(self._tree.query(to, count)[1]).reshape(len(to), count)
 
     def stencils(self, to: Array, most: int = 32) -> Stencils:
-        """Return local polynomials around points (t, d), by weighted least squares."""
+        """Return local polynomials around points (t, d), by weighted least squares.
+
+        In the plane they are fitted to at most `most` known points.
+        """
         # Known points that a polynomial is fitted to; the degrees are up to 7 on a line, and 5.
         near = self.nearest(to, 12 if self.places.shape[1] == 1 else most)
         offset = self.places[near] - to[:, None]

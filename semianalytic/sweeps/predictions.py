@@ -30,8 +30,11 @@ Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 
 @dataclass(frozen=True)
 class Followed:
-    """Zones at one point; if they were found on the fine rule, with an inverse Jacobian (e, e), and
-    `lack`, the error of edges that are right on the loose rule, once it is measured."""
+    """Zones at one point.
+
+    If they were found on the fine rule, there is an inverse Jacobian (e, e), and, once it is
+    measured, `lack`, the error of edges that are right on the loose rule.
+    """
 
     pattern: Pattern
     unknowns: Array
@@ -83,6 +86,7 @@ def predicted(
     # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
     # those from the fine rule predict inverse Jacobians.
     firm = np.array([zone.inverse is not None for zone in known])
+    # Inverse Jacobians need fewer digits than edges, and so half as many neighbours.
     stencils = Neighbourhood(at[firm]).stencils(places, 16)
     # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
     # by the chain rule; `back` returns to unknowns.
