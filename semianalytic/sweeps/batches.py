@@ -213,14 +213,16 @@ def continued(
     kept, steps, nodes = np.arange(count), 0, 0
     # Share of itself that a chord step leaves, by the doubt of its prediction.
     contraction = np.maximum(20.0 * doubt, tuning.LEAST_CONTRACTION)
-    # Predictions that are all trusted are about as near to the edges as the loose rule would bring
-    # them, and go straight to the fine one.
-    if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
-        loose = loose_tolerance(rtol)
+    # Trusted predictions are about as near to the edges as the loose rule would bring them, and go
+    # straight to finer ones.
+    far = np.flatnonzero(doubt >= tuning.TRUSTED_DOUBT)
+    if size and len(far):
+        loose, inverse = loose_tolerance(rtol), inverse.copy()
         coarse = rule_for(max(loose, tuning.COARSEST))
-        unknowns, inverse, last, steps = newton(sets, unknowns, coarse)
-        contraction = np.maximum(2 * last, tuning.LEAST_CONTRACTION)
-        kept = np.flatnonzero(last < np.inf)
+        found = newton(sets.chosen(far), unknowns[:, far], coarse)
+        unknowns[:, far], inverse[far], last, steps = found
+        contraction[far] = np.maximum(2 * last, tuning.LEAST_CONTRACTION)
+        kept = np.flatnonzero(contraction < np.inf)
         # Rules so far apart need a chord step on one between them.
         if len(kept) and tolerances[kept].min() < 1e-2 * loose:
             # The geometric mean: one step there is cheaper than a second step on the finest rule.

@@ -98,17 +98,23 @@ class Neighbourhood:
         count = min(count, len(self.places))
         return np.asarray(self._tree.query(to, count)[1]).reshape(len(to), count)
 
-    def stencils(self, to: Array) -> Stencils:
-        """Return local polynomials around points (t, d), by weighted least squares."""
+    def stencils(self, to: Array, most: int = 32) -> Stencils:
+        """Return local polynomials around points (t, d), by weighted least squares.
+
+        In the plane they are fitted to at most `most` known points.
+        """
         # Known points that a polynomial is fitted to; the degrees are up to 7 on a line, and 5.
-        near = self.nearest(to, 12 if self.places.shape[1] == 1 else 32)
+        near = self.nearest(to, 12 if self.places.shape[1] == 1 else most)
         offset = self.places[near] - to[:, None]
         # Offsets over the distance of the farthest neighbour lie in the unit disc, so that
         # monomials of any degree stay comparable.
         radius = np.linalg.norm(offset, axis=-1).max(axis=1)
         offset = offset / np.where(radius > 0, radius, 1.0)[:, None, None]
+        # Near neighbours count more, by the inverse distance; the constant keeps one that coincides
+        # with the point from outweighing all others.
+        own = 1 / np.sqrt(0.05 + np.square(offset).sum(axis=-1))
         x, *others = np.moveaxis(offset, -1, 0)
-        terms = last = [np.ones(near.shape)]
+        terms = last = [own]
         degrees = [1]
         while len(terms) + len(last) + len(others) <= near.shape[1] / 1.4:
             # The monomials of the next degree: x times each of the last degree, and y times its
@@ -116,20 +122,15 @@ class Neighbourhood:
             last = [*(x * term for term in last), *(y * last[-1] for y in others)]
             terms = terms + last
             degrees.append(len(terms))
-        distance = np.square(offset).sum(axis=-1)
-        # Near neighbours count more, by the inverse distance; the constant keeps one that coincides
-        # with the point from outweighing all others.
-        own = 1 / np.sqrt(0.05 + distance)
-        q, r = np.linalg.qr(np.stack(terms, axis=-1) * own[..., None])
+        q, r = np.linalg.qr(np.moveaxis(np.stack(terms), 0, -1))
         # For neighbours that lie on a line.
         lower = np.swapaxes(r, 1, 2) + 1e-14 * np.eye(len(terms))
         # The value at the point itself is the coefficient of the constant term, since offsets count
         # from there.
         at_centre = np.zeros((len(to), len(terms), 1))
         at_centre[:, 0] = 1.0
-        share = q * np.linalg.solve(lower, at_centre)[..., 0][:, None]
-        # With W A = Q R the weights are e_1^T R^-1 Q^T W; columns of Q add up term by term, and the
-        # partial sums at the ends of the degrees are the weights of the lower polynomials, at no
-        # further cost.
-        weights = np.cumsum(share, axis=-1)[..., np.array(degrees) - 1] * own[..., None]
+        share = np.linalg.solve(lower, at_centre)
+        # With W A = Q R the weights are e_1^T R^-1 Q^T W; the first columns of Q make the weights
+        # of the lower polynomials, at no further cost.
+        weights = q @ (share * (np.arange(len(terms))[:, None] < degrees)) * own[..., None]
         return Stencils(near, np.ascontiguousarray(np.moveaxis(weights, -1, 0)))

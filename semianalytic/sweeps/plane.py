@@ -22,7 +22,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.search import loose_search
@@ -36,7 +36,6 @@ from semianalytic.sweeps.batches import ZoneSets, continued
 from semianalytic.sweeps.neighbours import Neighbourhood
 from semianalytic.sweeps.predictions import (
     Followed,
-    Footing,
     Pattern,
     Predictions,
     corrected,
@@ -217,6 +216,7 @@ class Plane:
     def _follow(self, pattern: Pattern, certain: np.ndarray, targets: np.ndarray) -> Predictions:
         """Try a pattern of zones at some points; return predictions that may still be right."""
         known = [i for i, zone in self.zones.items() if zone.pattern == pattern]
+        self._measure(pattern, known)
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
         # A prediction in greater doubt goes to the fine rule at once, where full Newton steps may
@@ -226,8 +226,25 @@ class Plane:
         some = targets[led], every.unknowns[led], every.loose[led]
         for batch in self._batches(pattern, *some, False):
             left.append(self._correct(pattern, certain[led[batch]], every[led[batch]]))
-        rest = joined(left)  # none of them is trusted
-        return replace(rest, doubt=np.maximum(rest.doubt, tuning.LEADING_DOUBT))
+        return joined(left)
+
+    def _measure(self, pattern: Pattern, known: Sequence[int]) -> None:
+        """Measure what edges from the fine rule lack on the loose one, where it is not known."""
+        firm = [(i, self.zones[i]) for i in known if self.zones[i].inverse is not None]
+        new = [(i, zone.unknowns, zone.inverse) for i, zone in firm if zone.lack is None]
+        if not new:
+            return
+        points, unknowns, inverse = (np.array(part) for part in zip(*new, strict=True))
+        rules = np.full(len(points), self.loose.tolerance)
+        for batch in self._batches(pattern, points, unknowns, rules, True):
+            sets, now = self._sets(pattern, points[batch]), unknowns[batch].T
+            lack = np.zeros(len(batch))
+            if len(now):
+                fields = sets.fields(now, self.loose)
+                moved = now - moves(inverse[batch], fields.mismatch())
+                lack = shift_error(sets.edges, now, moved, fields)
+            for i, size in zip(points[batch].tolist(), lack.tolist(), strict=True):
+                self.zones[i] = replace(self.zones[i], lack=size)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _correct(self, pattern: Pattern, certain: np.ndarray, some: Predictions) -> Predictions:
@@ -246,7 +263,7 @@ class Plane:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _compute(self, pattern: Pattern, every: Predictions, origin: str = COMPUTED) -> None:
         """Keep predictions that can be corrected on the fine rule."""
-        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, True):
+        for batch in self._batches(pattern, every.points, every.unknowns, every.tolerance, False):
             some = every[batch]
             start, sets = perf_counter(), self._sets(pattern, some.points)
             start_from = some.unknowns.T, some.inverse, some.doubt
@@ -255,10 +272,9 @@ class Plane:
             if not len(sound):
                 continue
             now, inverse = done.unknowns[:, sound], done.inverse[sound]
-            footings = _footings(sets.chosen(sound), now, inverse, self.loose)
             seconds = (perf_counter() - start) / len(some)
             rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
-            parts = zip(now.T, rules, estimates, footings, strict=True)
+            parts = zip(now.T, rules, estimates, inverse, strict=True)
             found = [Followed(pattern, *each) for each in parts]
             self._keep(some.points[sound], found, origin, done.steps, done.nodes, seconds)
 
@@ -315,13 +331,3 @@ class Plane:
             profile = Profile(ZoneFields(factors, load, zones, rule))
             known = "converged", followed.estimate, statistics
             self.solutions[i] = Solution(scene, *known, profile, stress)
-
-
-def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
-    """Return footings from unknowns (e, k) right on the fine rule and inverse Jacobians."""
-    if not len(unknowns):
-        return [Footing(matrix, 0.0) for matrix in inverse]
-    fields = sets.fields(unknowns, loose)
-    moved = unknowns - moves(inverse, fields.mismatch())
-    shift = shift_error(sets.edges, unknowns, moved, fields)
-    return [Footing(matrix, float(size)) for matrix, size in zip(inverse, shift, strict=True)]

@@ -29,22 +29,19 @@ Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 
 
 @dataclass(frozen=True)
-class Footing:
-    """Inverse Jacobian (e, e) at a point, and the error of its edges if right on a loose rule."""
-
-    inverse: Array
-    shift: float
-
-
-@dataclass(frozen=True)
 class Followed:
-    """Zones at one point, with a `Footing` if they were found on the fine rule."""
+    """Zones at one point.
+
+    If they were found on the fine rule, there is an inverse Jacobian (e, e), and, once it is
+    measured, `lack`, the error of edges that are right on the loose rule.
+    """
 
     pattern: Pattern
     unknowns: Array
     tolerance: float
     estimate: float
-    footing: Footing | None = None
+    inverse: Array | None = None
+    lack: float | None = None
 
 
 @dataclass(frozen=True)
@@ -85,26 +82,27 @@ def predicted(
     """Predict zones at places (t, 2) of points (t,) from those of one pattern known at others."""
     values = np.array([zone.unknowns for zone in known])
     unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
-    footed = [(zone, zone.footing) for zone in known if zone.footing is not None]
+    footed = [zone for zone in known if zone.inverse is not None]
     # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
     # those from the fine rule predict inverse Jacobians.
-    firm = np.array([zone.footing is not None for zone in known])
-    stencils = Neighbourhood(at[firm]).stencils(places)
+    firm = np.array([zone.inverse is not None for zone in known])
+    # Inverse Jacobians need fewer digits than edges, and so half as many neighbours.
+    stencils = Neighbourhood(at[firm]).stencils(places, 16)
     # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
     # by the chain rule; `back` returns to unknowns.
     slopes = np.where(shared, _share_slope(values), 1.0)
-    scaled = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
+    scaled = np.array([zone.inverse for zone in footed]) * slopes[firm, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
     inverse, others = (table / back for table in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
     # The median: a single neighbour on a very fine rule, near a threshold, does not make all
     # points around it expensive.
-    tolerance = np.median(np.array([footing.tolerance for footing, _ in footed])[near], axis=1)
+    tolerance = np.median(np.array([zone.tolerance for zone in footed])[near], axis=1)
     nearest = near[:, :4]  # the largest error estimate of the nearest four
     # The largest error of the nearest neighbours is taken over: a point between them is not known
     # better than they are.
-    estimate = np.array([zone.estimate for zone, _ in footed])[nearest].max(axis=1)
-    shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
+    estimate = np.array([zone.estimate for zone in footed])[nearest].max(axis=1)
+    shift = np.array([zone.lack for zone in footed])[near].max(axis=1)
     # The share of the estimate for the error of a looser rule, never 0, so that
     # the logarithm below exists.
     room = np.maximum(rtol - estimate, 0.05 * rtol)
@@ -180,12 +178,14 @@ def corrected(
     # Near predictions need no steps on the loosest rule: their first step is the chord step below.
     sound = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
+    doubt = np.full(len(predictions), tuning.LEADING_DOUBT)  # of what fails below
     if len(unknowns) and len(far):
         coarse = rule_for(max(loosest, tuning.COARSEST))
         moved, better, left, _ = newton(sets.chosen(far), unknowns[:, far], coarse)
         sound[far] = near = left < np.inf
         unknowns[:, far[near]], inverse[far[near]] = moved[:, near], better[near]
-    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
+        doubt[far[near]] = tuning.LOCATED
+    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse, doubt=doubt)
     # The least tolerance of the batch serves all of its points, which share panels.
     fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
     estimate = predictions.estimate.copy()

@@ -18,7 +18,7 @@ from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.selfsimilar.solver import solve as solve_exactly
 from semianalytic.sweeps.plane import COMPUTED, FROM_SCRATCH, INTERPOLATED, Plane
-from semianalytic.sweeps.predictions import Followed, Footing, predicted
+from semianalytic.sweeps.predictions import Followed, predicted
 from semianalytic.sweeps.sweep import Sweep, sweep
 
 SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}
@@ -401,7 +401,7 @@ def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
         return np.stack([np.log(share / (1 - share)), 30 * x - 20 * y], axis=-1)
 
     known = [
-        Followed(((), (False, True), (2, 2)), unknown, 1e-7, 1e-7, Footing(np.eye(2), 0.0))
+        Followed(((), (False, True), (2, 2)), unknown, 1e-7, 1e-7, np.eye(2), 0.0)
         for unknown in unknowns(places)
     ]
     predictions = predicted(known, places, np.arange(20), to, RTOL)
