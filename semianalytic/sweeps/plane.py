@@ -165,7 +165,11 @@ class Plane:
         own = np.zeros(len(self.scenes), dtype=int)
         own[known] = every
         differs = own[near] != own[near[:, :1]]
-        certain = ~differs.any(axis=1)
+        # Zones that cannot be followed, which are not known here, differ as well.
+        solved = np.array(list(self.origin))
+        among = Neighbourhood(self.places[solved])
+        close = solved[among.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
+        certain = ~differs.any(axis=1) & np.isin(close, known).all(axis=1)
         # In the order of distance, each pattern once.
         chosen = own[near[np.arange(len(near)), differs.argmax(axis=1) if rank else 0]]
         found = {}
