@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from numbers import Integral, Real
 from os import fspath
@@ -152,11 +151,7 @@ def checking(function: Function, *, at_once: bool = True) -> Function:
         if kind not in _NUMBERS:
             return value
         numbers = np.asarray(value, dtype=float)
-        if numbers.ndim:
-            return numbers
-        number = numbers.item()
-        # below the range of floating point its reciprocal is infinite; y = -0.0 is the lower face
-        return 0.0 * number if abs(number) < sys.float_info.min else number
+        return numbers if numbers.ndim else numbers.item()
 
     @functools.wraps(function)
     def checked(*args: Any, **given: Any) -> Any:

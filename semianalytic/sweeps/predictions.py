@@ -199,7 +199,8 @@ def corrected(
         # `left` is what the chord steps leave; the estimate held neighbours' errors and the lack of
         # the rule.
         estimate += SAFETY * left
-        estimate = np.maximum(estimate, SAFETY * _found_lacking(sets, unknowns, inverse, predictions))
+        lacking = _found_lacking(sets, unknowns, inverse, predictions)
+        estimate = np.maximum(estimate, SAFETY * lacking)
     sound &= estimate <= rtol
     lawful = ~certain
     if certain.any():
@@ -221,10 +222,9 @@ def corrected(
 def _found_lacking(
     sets: ZoneSets, unknowns: Array, inverse: Array, predictions: Predictions
 ) -> float:
-    """Return the error on its fine rule of the set of a batch with the narrowest gap; 0 without one.
+    """Return the error on its fine rule of a batch's set with the narrowest gap; 0 without one.
 
-    On panels that sets with narrow gaps share, edges may lack a hundred times what they do on their
-    own.
+    On panels that sets with narrow gaps share, edges may lack a hundred times what they do alone.
     """
     gap = np.abs(sets.edges.parts(unknowns)[3]).min(axis=0)
     if len(gap) < 2 or gap.min() > tuning.NARROW_GAP:
