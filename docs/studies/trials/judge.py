@@ -48,7 +48,7 @@ COUNTS: Mapping[str, int] = {
     **{"opening": 4, "antiplane interface": 6},
 }
 """Scenes and interfaces of each kind: 300 and 60."""
-FIRST: Mapping[str, int] = {"pairs": 30, "histories": 30}
+FIRST: Mapping[str, int] = {"pairs": 30, "histories": 60, "moving": 30}
 """Number of the first case of a kind: constants of the judge were chosen on those before."""
 LONGEST = 10.0
 """Longest announced time of a comparison [s], as `fem.Cost` counts it on all machines alike."""
