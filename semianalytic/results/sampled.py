@@ -256,12 +256,7 @@ class SampledAnswer(Gridded):
         Parameters
         ----------
         x, t : arrays
-            Positions [length] and times [time], which broadcast.
-
-        Raises
-        ------
-        SceneError
-            If x or t is not finite, not on the contact, or beyond what was recorded.
+            Positions [length] and times [time], which broadcast; errors are those of `slip_rate`.
         """
         found = sampled_reading(self, x, t)
         if not self.scene.on_line or self.scene.may_open:
