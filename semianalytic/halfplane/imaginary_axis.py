@@ -27,7 +27,7 @@ def impedance_on_axis(factors: RayleighFactors, eta: Array) -> Array:
 
 
 def static_remainder(factors: RayleighFactors, eta: Array, edge: float) -> Array:
-    """Return the static impedance less M(i eta) / sqrt(edge^2 + eta^2), free of cancellation."""
+    """Return the static kappa less M(i eta) / sqrt(edge^2 + eta^2), free of cancellation."""
     alpha, beta = _roots(factors, eta)
     root = np.sqrt(edge**2 + eta**2)
     if factors.mode == "III":
