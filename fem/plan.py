@@ -18,7 +18,7 @@ from fem.settings import COMPANIONS, Settings
 from fem.stepping import critical_step
 from meshes import Blocks, causal_blocks
 from meshes.blocks import observed_slot
-from semianalytic.scene.checks import checked_size, shown
+from semianalytic.scene.checks import check_fields, checked_size, shown
 from semianalytic.scene.contact import wave_slips_ahead
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene
@@ -55,7 +55,7 @@ class Plan:
     follows: bool = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
+        check_fields(self, "simulate", ("end_time",), checked_size)
         if self.follows:
             check_resolved(self.scene, self.end_time, self.settings.resolution)
         _check_front(self.scene, self.end_time)

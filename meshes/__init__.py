@@ -8,7 +8,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless a
 
 with needing("the mesh of a finite-element model"):
     from meshes.blocks import Blocks, causal_blocks
-    from meshes.cache import cache_directory, mesh_of
+    from meshes.build import cache_directory, mesh_of
     from meshes.read import side_nodes
 
 __all__ = [

@@ -1,27 +1,95 @@
-"""Build meshes of triangles with gmsh's built-in geometry kernel."""
+"""Meshes of a block: squares, or triangles of gmsh, which are kept in the user's cache folder."""
 
 from __future__ import annotations
 
 import errno
+import hashlib
+import logging
 import os
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import asdict
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from platformdirs import user_cache_dir
+from skfem import MeshQuad, MeshTri
+
 from meshes.blocks import Blocks
-from semianalytic.results.files import Seal, new_file
-from semianalytic.scene.errors import MissingLibraryError
+from meshes.read import read_mesh
+from semianalytic.results.files import Seal, check_seal, new_file
+from semianalytic.scene.errors import DataFileError, MissingLibraryError
 from semianalytic.scene.extras import how_to_install
 
+_log = logging.getLogger(__name__)
+
+FORMAT = "slipfront blocks 4"
 APT_PACKAGES = files("meshes").joinpath("apt-packages.txt").read_text(encoding="ascii").strip()
 """Debian packages of the shared libraries that libgmsh is linked against; CI installs them too."""
 LAST_LINE = b"$EndElements\n"
 """Last line of a mesh file that gmsh could write to its end."""
+
+
+def cache_directory() -> Path:
+    """Return the folder of cached meshes: $SLIPFRONT_CACHE, or the system's place for caches."""
+    return Path(os.environ.get("SLIPFRONT_CACHE") or user_cache_dir("slipfront"))
+
+
+def cache_path(blocks: Blocks) -> Path:
+    """Return the file in which the mesh of these blocks is cached."""
+    key = repr((FORMAT, sorted(asdict(blocks).items())))
+    return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
+
+
+def mesh_of(blocks: Blocks) -> MeshQuad | MeshTri:
+    """Return the mesh of the upper block; triangles come from the cache, or are built and kept.
+
+    A damaged file in the cache is built again, which costs only time.
+
+    Parameters
+    ----------
+    blocks : Blocks
+
+    Returns
+    -------
+    MeshQuad, or MeshTri for the pattern "triangles"
+        `side_nodes` finds the nodes of a side.
+
+    Raises
+    ------
+    MissingLibraryError
+        If triangles have to be built, and gmsh cannot be loaded.
+    DataFileError
+        If the cache folder cannot be written, or a mesh just built cannot be read.
+    """
+    if blocks.pattern != "triangles":
+        x = blocks.size * np.arange(-blocks.left, blocks.right + 1.0)
+        mesh = MeshQuad.init_tensor(x, blocks.size * np.arange(blocks.height + 1.0))
+        return MeshQuad(mesh.p, np.ascontiguousarray(mesh.t[::-1]))  # counter-clockwise
+    path = cache_path(blocks)
+    # what is damaged is replaced, and what cannot be looked at is not there
+    with suppress(DataFileError, OSError, ValueError):
+        if path.is_file():
+            check_seal(path)
+            mesh = read_mesh(path, blocks)
+            _log.debug("mesh read from %s", path)
+            return mesh
+    try:
+        with new_mesh_file(blocks, path) as part:
+            write_mesh(blocks, part)
+            mesh = read_mesh(part, blocks)
+        _log.debug("mesh built and kept in %s", path)
+    except DataFileError as error:
+        raise DataFileError(
+            f"the mesh cache {path.parent} cannot be used ({str(error).rstrip('.')}); "
+            "set SLIPFRONT_CACHE to a folder of your own with room for it."
+        ) from error
+    return mesh
 
 
 def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:

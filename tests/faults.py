@@ -22,7 +22,7 @@ from fem import simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from fem.results import load_simulation
 from meshes import Blocks, mesh_of
-from meshes.cache import cache_path
+from meshes.build import cache_path
 from semianalytic import Marched, find, solve
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.results.interface_history import InterfaceHistory

@@ -25,11 +25,10 @@ from compare.chart.points import read_points
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.figures import histories, interface
-from compare.figures.fields import FieldPicture
+from compare.figures.fields import FieldPicture, record_figure
 from compare.figures.fronts import reach
 from compare.figures.named import answer_figure
 from compare.figures.quantities import find_quantity
-from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.output.field_files import record_fields
 from compare.validation.figure import validation_figure
@@ -153,7 +152,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name in ("tap", "auxetic", "lift-off-shear")
     },
     "compare.figures.snapshots.snapshot_figure": _snapshots,
-    "compare.figures.records.record_figure": _record,
+    "compare.figures.fields.record_figure": _record,
     **{
         f"compare.figures.fields.FieldPicture/{of} of {name}": partial(_field, name, of)
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))

@@ -12,7 +12,7 @@ from compare.comparison.case import Case
 from compare.comparison.fields.errors import FieldErrors, field_errors
 from compare.comparison.quantities.arrival_rows import arrival_rows
 from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
-from compare.comparison.quantities.field_rows import field_rows
+from compare.comparison.quantities.field_rows import field_rows, slot_rows
 from compare.comparison.quantities.history_rows import cycle_rows, event_rows, map_rows, sense_rows
 from compare.comparison.quantities.likeness_rows import likeness_rows
 from compare.comparison.quantities.local_rows import local_rows
@@ -23,7 +23,6 @@ from compare.comparison.quantities.profile_rows import (
     traction_rows,
     wear_rows,
 )
-from compare.comparison.quantities.slot_rows import slot_rows
 from compare.comparison.rows import DIFFERS, UNRESOLVED, HasRows, Row, shown_number
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import Answer

@@ -241,7 +241,8 @@ def choose_mesh(
     from fem.settings import Settings
 
     if options.get("damping") is None:
-        usual = CALMING if _is_rough(scene) else QUIETING
+        upper, lower = scene.bodies
+        usual = CALMING if upper != lower and scene.coefficient > ROUGH else QUIETING
         options["damping"] = usual if short_waves_grow(scene) else Settings.damping
     prices = Prices(scene, end_time, snapshots, options)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
@@ -279,10 +280,6 @@ def short_waves_grow(scene: Scene) -> bool:
     between different bodies, and under friction that falls with slip rate."""
     upper, lower = scene.bodies
     return scene.coefficient > 0 and (upper != lower or scene.law.fall_with_rate > 0)
-
-
-def _is_rough(scene: Scene) -> bool:
-    return scene.bodies[0] != scene.bodies[1] and scene.coefficient > ROUGH
 
 
 def toll(seconds: float, memory: float) -> str:

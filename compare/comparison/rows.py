@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from semianalytic.results.in_words import digits_apart
 from semianalytic.scene.arguments import checking
@@ -109,6 +109,8 @@ class Row:
     resolution: int | None = None
     converges: bool = True
     place: str = ""
+    alarm: ClassVar[float] = ALARM
+    """Number of error bars beyond which the row differs."""
 
     @property
     def size(self) -> float:
@@ -154,11 +156,6 @@ class Row:
             shown_number(value) if value is None else shown_number(per * value, digits) + end
             for value in values
         ]
-
-    @property
-    def alarm(self) -> float:
-        """Number of error bars beyond which the row differs."""
-        return ALARM
 
     @property
     def verdict(self) -> str:

@@ -1,4 +1,4 @@
-"""Pictures of whole fields, with named wave fronts and the moving parts of the interface."""
+"""Pictures of whole fields, with wave fronts and moving parts of the interface, and of records."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.text import Annotation
@@ -19,16 +20,20 @@ from compare.figures.style import (
     ORANGE,
     SENSE_COLOURS,
     SMALL,
+    cycle,
     describe,
     ink,
     line_handle,
     look,
+    mark_waves,
     marker_handle,
     new_figure,
     outline,
     scene_words,
+    styled,
 )
-from compare.output.field_files import Fields
+from compare.output.field_files import FieldRecord, Fields
+from semianalytic import Scene
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.units import unit
 
@@ -45,6 +50,7 @@ BEYOND = {"size": "max", "sign": "both", "light": "neither"}
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
 INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORANGE, "#333333")}
 """Colour of the fronts over each kind of quantity, and of their outline."""
+_AXES = ("xx", "yy", "xy", "xz", "yz")
 
 
 class FieldPicture:
@@ -231,3 +237,30 @@ def draw_interface(panel: Axes, fields: Fields, time: float) -> list[Line2D]:
     if not fields.scene.on_line:
         handles["fronts"] = line_handle("wave fronts", ink(0.65), "--")
     return [*handles.values()]
+
+
+@styled
+def record_figure(record: FieldRecord, scene: Scene) -> Figure:
+    """Draw velocity, displacement, stress and strain over time, with the arrivals of waves."""
+    figure = describe(new_figure(7.5, 8.5), scene)
+    panels = figure.subplots(4, 1, sharex=True)
+    # of P and S waves from the edge of the slot, if they are in the record
+    distance = float(np.hypot(record.x, record.y))
+    times = {name: distance / speed for name, speed in scene_fronts(scene).items()}
+    arrivals = {name: t for name, t in times.items() if name != "Rayleigh" and 0 < t < record.t[-1]}
+    for panel, symbol, rows, dimension, axes, words in (
+        (panels[0], "v", record.velocity, "length / time", "xyz", "velocity"),
+        (panels[1], "u", record.displacement, "length", "xyz", "displacement"),
+        (panels[2], r"\sigma", record.stress, "stress", _AXES, "stress"),
+        (panels[3], r"\varepsilon", record.strain, "1", _AXES, "strain"),
+    ):
+        for row, axis, colour in zip(rows, axes, cycle(), strict=False):
+            shown = np.where(np.isfinite(row), row, np.nan)
+            panel.plot(record.t, shown, color=colour, label=f"${symbol}_{{{axis}}}$", linewidth=1.2)
+        panel.set_ylabel(f"{words} [{unit(dimension, scene.units)}]")
+        panel.legend(loc="upper left")
+        mark_waves(panel, arrivals, 1.0, labels=panel is panels[0])
+    length = unit("length", scene.units)
+    panels[0].set_title(f"x = {record.x:.4g}, y = {record.y:.4g} [{length}]", pad=16)
+    panels[-1].set(xlabel=f"t [{unit('time', scene.units)}]", xlim=(0, record.t[-1]))
+    return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from compare.comparison.rows import Row
 from compare.records.record import Record
@@ -60,11 +60,7 @@ class JudgedRow(Row):
     grid_bar: float | None = None
     data_bar: float = 0.0
     answer_bar: float = 0.0
-
-    @property
-    def alarm(self) -> float:
-        """Number of error bars beyond which the row differs."""
-        return ALARM
+    alarm: ClassVar[float] = ALARM
 
 
 def station_bar(grids: Grids, record: Record, name: str, exact: Exact, everywhere: float) -> Bar:

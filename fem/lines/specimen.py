@@ -92,7 +92,7 @@ class Block:
 
     def __post_init__(self) -> None:
         check_fields(self, "block", ("left", "right"))
-        object.__setattr__(self, "height", checked_size("block: height", self.height))
+        check_fields(self, "block", ("height",), checked_size)
         if not self.left < self.right:
             raise SceneError(
                 f"block: left must be below right, got {self.left:g} and {self.right:g}."

@@ -20,9 +20,8 @@ from semianalytic.dissimilar_slot.densities.interface import LoadedBodies, inter
 from semianalytic.dissimilar_slot.densities.panels import rule_for
 from semianalytic.dissimilar_slot.densities.profile import PairProfile
 from semianalytic.dissimilar_slot.densities.zones import MovingZone, edges_of
-from semianalytic.dissimilar_slot.estimate import numerical_error
 from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
-from semianalytic.dissimilar_slot.placement import PlacedZones, place, polished
+from semianalytic.dissimilar_slot.placement import PlacedZones, numerical_error, place, polished
 from semianalytic.dissimilar_slot.solution import PairSolution, in_velocity
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import ComputationError, SceneError

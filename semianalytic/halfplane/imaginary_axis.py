@@ -26,13 +26,8 @@ def impedance_on_axis(factors: RayleighFactors, eta: Array) -> Array:
     return np.asarray(rayleigh / (beta if factors.mode == "II" else alpha))
 
 
-def static_impedance(factors: RayleighFactors) -> float:
-    """Return the limit of M(i eta) / eta for large eta: mu / (1 - nu) in plane, mu antiplane."""
-    return factors.kappa
-
-
 def static_remainder(factors: RayleighFactors, eta: Array, edge: float) -> Array:
-    """Return the static impedance less M(i eta) / sqrt(edge^2 + eta^2), free of cancellation."""
+    """Return the static kappa less M(i eta) / sqrt(edge^2 + eta^2), free of cancellation."""
     alpha, beta = _roots(factors, eta)
     root = np.sqrt(edge**2 + eta**2)
     if factors.mode == "III":

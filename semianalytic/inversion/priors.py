@@ -41,8 +41,8 @@ class Normal:
     sd: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mean", checked_number("normal prior: mean", self.mean))
-        object.__setattr__(self, "sd", checked_size("normal prior: sd", self.sd))
+        check_fields(self, "normal prior", ("mean",))
+        check_fields(self, "normal prior", ("sd",), checked_size)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -88,11 +88,9 @@ class LogNormal:
     factor: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "median", checked_size("lognormal prior: median", self.median))
-        factor = checked_number(
-            "lognormal prior: factor", self.factor, "be above 1", lambda given: given > 1
-        )
-        object.__setattr__(self, "factor", factor)
+        owner, above = "lognormal prior", (checked_number, "be above 1", lambda given: given > 1)
+        check_fields(self, owner, ("median",), checked_size)
+        check_fields(self, owner, ("factor",), *above)
 
     @property
     def range(self) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from semianalytic.scene.checks import finite
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.laws.coulomb import Coulomb
-from semianalytic.scene.laws.law import Law, coefficient_field, reduction_of
+from semianalytic.scene.laws.law import Law, coefficient_field
 from semianalytic.scene.laws.weakening import RateWeakening, SlipWeakening
 from semianalytic.scene.line.fields import Scaled
 from semianalytic.scene.line.loads import FrontLoad, InterfaceLoad
@@ -90,7 +90,9 @@ def numbers_of(scene: Any) -> dict[str, Number]:
         found["angle"] = found.pop("wave_angle")
     _add_numbers(of_law, "", law, ("law",), PARAMETERS)
     if {"static", "dynamic"} <= of_law.keys():
-        _add_field(of_law, "reduction", "1", reduction_of(law), ("law", "reduction"))
+        # the part of the static friction that is lost, without roundings
+        lost = float(f"{1 - law.dynamic / law.static:.14g}") if law.static else 0.0
+        _add_field(of_law, "reduction", "1", lost, ("law", "reduction"))
     # scenes next to a slot know no delays, and name the cohesion of a law that has one
     for name, number in of_law.items():
         if name.removesuffix("_factor") == own or (

@@ -31,10 +31,12 @@ from semianalytic.reference.antiplane import (
     antiplane_traction,
 )
 from semianalytic.reference.closed_forms import (
+    StaticZone,
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
+    static_zone,
 )
 from semianalytic.reference.openings import (
     DetachedOpening,
@@ -43,7 +45,6 @@ from semianalytic.reference.openings import (
     gap_rate_of_opening,
 )
 from semianalytic.reference.prescribed_crack import PrescribedCrack, prescribed_crack
-from semianalytic.reference.static_zone import StaticZone, static_zone
 from semianalytic.reference.viscous_zone import viscous_edge_speed, viscous_slip_rate
 from semianalytic.reference.weertman import WeertmanPulse, weertman_pulse
 from semianalytic.scene.arguments import checking_functions

@@ -32,10 +32,8 @@ class Gridded:
     compression: ClassVar[int | None] = None
     """Level of gzip with which it is then saved."""
 
-    @property
-    def has_bodies(self) -> bool:
-        """Whether the answer contains the fields in the bodies."""
-        return False
+    has_bodies: ClassVar[bool] = False
+    """Whether the answer contains the fields in the bodies."""
 
     def _unknown(self, what: str, instead: str) -> NoReturn:
         """Raise SceneError for a question that this answer cannot say anything about."""
@@ -171,10 +169,7 @@ class AnswerInBodies(Gridded):
     quantities that do not depend on the points are computed.
     """
 
-    @property
-    def has_bodies(self) -> bool:
-        """Whether the answer contains the fields in the bodies: always."""
-        return True
+    has_bodies = True
 
     @property
     def nearest_depth(self) -> float:

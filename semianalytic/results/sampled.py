@@ -127,12 +127,7 @@ class SampledAnswer(Gridded):
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the accumulated |slip| [length], from the stored levels.
 
-        Positions and times broadcast.
-
-        Raises
-        ------
-        SceneError
-            If x or t is not finite, not on the contact, or beyond what was recorded.
+        Positions and times broadcast; errors are those of `slip_rate`.
         """
         return np.asarray(self._between(self._sums[0], x, t))
 
@@ -261,12 +256,7 @@ class SampledAnswer(Gridded):
         Parameters
         ----------
         x, t : arrays
-            Positions [length] and times [time], which broadcast.
-
-        Raises
-        ------
-        SceneError
-            If x or t is not finite, not on the contact, or beyond what was recorded.
+            Positions [length] and times [time], which broadcast; errors are those of `slip_rate`.
         """
         found = sampled_reading(self, x, t)
         if not self.scene.on_line or self.scene.may_open:

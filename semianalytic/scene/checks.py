@@ -116,17 +116,19 @@ def check_fields(
     described: object,
     owner: str,
     names: Iterable[str],
-    check: Callable[[str, object], float] = checked_number,
+    check: Callable[..., float] = checked_number,
+    *requirement: Any,
 ) -> None:
     """Replace fields of a frozen dataclass by the numbers that a check makes of them, or refuse.
 
     `__post_init__` calls this with the owner's name for messages and the names of the fields; the
-    check is `checked_number`, or `checked_size` for numbers that have to be positive.  Raises
-    SceneError, as "{owner}: {name} must be a finite number, got {value}."
+    check is `checked_number`, or `checked_size` for numbers that have to be positive, with what
+    else it takes.  Raises SceneError, as "{owner}: {name} must be a finite number, got {value}."
     """
     for name in names:
+        number = check(f"{owner}: {name}", getattr(described, name), *requirement)
         # Frozen dataclasses refuse assignment, also to their own methods.
-        object.__setattr__(described, name, check(f"{owner}: {name}", getattr(described, name)))
+        object.__setattr__(described, name, number)
 
 
 def _out_of_range(what: str, number: float) -> SceneError:

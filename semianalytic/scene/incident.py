@@ -83,19 +83,14 @@ class IncidentWave:
 
     def __post_init__(self) -> None:
         checked_word("incident wave: kind", self.kind, WAVES)
-        angle = checked_number(
-            "incident wave: angle",
-            self.angle,
-            f"lie between -{GRAZING} and {GRAZING} degrees from the normal of the interface",
-            lambda given: abs(given) <= GRAZING,
-        )
-        object.__setattr__(self, "angle", angle)
+        required = f"lie between -{GRAZING} and {GRAZING} degrees from the normal of the interface"
+        within = (checked_number, required, lambda given: abs(given) <= GRAZING)
+        check_fields(self, "incident wave", ("angle",), *within)
         checked_word("incident wave: from", self.from_, SIDES)
         if (self.velocity is None) == (self.stress is None):
             raise SceneError("incident wave: give either its velocity or its stress.")
         name = "stress" if self.velocity is None else "velocity"
-        number = checked_number(f"incident wave: {name}", getattr(self, name))
-        object.__setattr__(self, name, number)
+        check_fields(self, "incident wave", (name,))
 
     def speed(self, material: Material) -> float:
         """Return the speed of the wave in a solid [length / time]."""
@@ -242,13 +237,9 @@ class MovingLoad:
     shear: float
 
     def __post_init__(self) -> None:
-        speed = checked_number(
-            "moving load: speed",
-            self.speed,
-            "be a finite number other than 0 (Tractions load the slot at once)",
-            lambda given: abs(given) >= 1 / LARGEST,
-        )
-        object.__setattr__(self, "speed", speed)
+        required = "be a finite number other than 0 (Tractions load the slot at once)"
+        apart = (checked_number, required, lambda given: abs(given) >= 1 / LARGEST)
+        check_fields(self, "moving load", ("speed",), *apart)
         check_fields(self, "moving load", ("pressure", "shear"))
 
     def slowness(self, material: Material) -> float:

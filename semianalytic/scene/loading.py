@@ -124,7 +124,7 @@ class Patch(LineLoad):
                 "patch: its ends must move; for a load on a fixed interval give an "
                 "InterfaceLoad, a function of x, and the contact of the scene."
             )
-        object.__setattr__(self, "speed", checked_size("patch: speed", self.speed))
+        check_fields(self, "patch", ("speed",), checked_size)
         check_fields(self, "patch", ("pressure", "shear"))
 
 

@@ -17,7 +17,13 @@ from numpy.typing import ArrayLike
 
 from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
+from semianalytic.scene.checks import (
+    check_fields,
+    checked_number,
+    checked_size,
+    checked_word,
+    shown,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.quantities import with_quantities
 
@@ -208,10 +214,8 @@ class Ramp(LoadHistory):
     rise_time: float
 
     def __post_init__(self) -> None:
-        rise_time = checked_number(
-            "ramp: rise_time", self.rise_time, "be a number, 0 or more", lambda given: given >= 0
-        )
-        object.__setattr__(self, "rise_time", rise_time)
+        least = (checked_number, "be a number, 0 or more", lambda given: given >= 0)
+        check_fields(self, "ramp", ("rise_time",), *least)
 
     @property
     def _sudden(self) -> bool:
@@ -274,8 +278,7 @@ class Pulse(LoadHistory):
     shape: str = "rectangle"
 
     def __post_init__(self) -> None:
-        duration = checked_size("pulse: duration", self.duration, "be a positive number")
-        object.__setattr__(self, "duration", duration)
+        check_fields(self, "pulse", ("duration",), checked_size, "be a positive number")
         checked_word("pulse: shape", self.shape, PULSE_SHAPES)
 
     @cached_property
@@ -336,8 +339,7 @@ class Harmonic(LoadHistory):
     frequency: float
 
     def __post_init__(self) -> None:
-        frequency = checked_size("harmonic: frequency", self.frequency, "be a positive number")
-        object.__setattr__(self, "frequency", frequency)
+        check_fields(self, "harmonic", ("frequency",), checked_size, "be a positive number")
 
     @cached_property
     def pieces(self) -> Pieces:

@@ -53,8 +53,7 @@ class Material:
 
     def __post_init__(self) -> None:
         check_fields(self, "material", ("shear_modulus", "density"), checked_size)
-        ratio = checked_number("material: poisson_ratio", self.poisson_ratio, _RATIO, _is_ratio)
-        object.__setattr__(self, "poisson_ratio", ratio)
+        check_fields(self, "material", ("poisson_ratio",), checked_number, _RATIO, _is_ratio)
 
     @classmethod
     def from_young(cls, E: float, nu: float, rho: float) -> Material:

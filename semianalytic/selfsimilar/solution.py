@@ -271,10 +271,7 @@ class Solution(ContactTotals, AnswerInBodies):
         x, t : arrays
             Positions [length] and times [time], which broadcast.
 
-        Raises
-        ------
-        SceneError
-            If a position is not positive, or x or t is not finite.
+        Raises what `slip_rate` raises.
         """
         # The scale of the shear traction is that of the largest load, the wave of a remote one too.
         base, (held, load) = self.scene.base, self.scene.superposition

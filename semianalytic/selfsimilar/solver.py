@@ -28,7 +28,7 @@ from semianalytic.selfsimilar.rated.approach import (
     unsettled,
 )
 from semianalytic.selfsimilar.rated.law import unit_law
-from semianalytic.selfsimilar.rated.steepness import cut_off
+from semianalytic.selfsimilar.rated.newton import cut_off
 from semianalytic.selfsimilar.search import (
     Trial,
     affordable,

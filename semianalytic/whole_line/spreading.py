@@ -21,7 +21,6 @@ import numpy as np
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
     over_axis,
-    static_impedance,
     static_remainder,
 )
 from semianalytic.halfplane.polynomials import gauss
@@ -63,7 +62,7 @@ class Spreading:
         The limit for a slow patch, m(e_p) -> m_static e_p, joins them.
         """
         if not self.patch:
-            return 1 / (2 * np.pi * static_impedance(self.factors))
+            return 1 / (2 * np.pi * self.factors.kappa)
         return 1 / (np.pi * impedance_behind(self.factors, 1 / self.patch))
 
     def missing(self, spacing: float | None = None) -> float:

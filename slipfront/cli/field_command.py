@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -13,24 +14,28 @@ from rich.console import Console
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import solve
+from semianalytic import Scene, solve
 from semianalytic.methods import chosen
 from semianalytic.parameters.overriding import override_scene
 from semianalytic.results.answer import method_of
 from semianalytic.results.interruption import whole
-from semianalytic.scene.checks import checked_size, checked_word
+from semianalytic.scene.checks import checked_number, checked_size, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.given.documents import scene_document
 from semianalytic.scene.given.finding import check_slot, find, scene_folder, scene_label
-from semianalytic.scene.units import unit
+from semianalytic.scene.tables.units import si_size
+from semianalytic.scene.units import measure, unit
 from slipfront.cli import options
 from slipfront.cli.endings.refusals import check_converged, check_no_march_options
 from slipfront.cli.marching import check_marched, shares_of
-from slipfront.cli.scenes import requests
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
 from slipfront.cli.terminal import print_json
 
+GRID = (200, 200)
+"""Default number of cells of a grid, along x and y."""
+MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
+"""Limits of points and cells along an axis, of frames, and of times; more are a typing error."""
 MARCHED_OPTIONS = {
     name: options.MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")
 }
@@ -126,10 +131,9 @@ def field_command(
     """
     require("slipfront field", *PLOT, *(FEM if vtu else ()))
     from compare.figures.animation import check_format, write_animation
-    from compare.figures.fields import FieldPicture
+    from compare.figures.fields import FieldPicture, record_figure
     from compare.figures.fronts import reach
     from compare.figures.quantities import find_quantity
-    from compare.figures.records import record_figure
     from compare.figures.saving import save_figure
     from compare.output.field_files import record_fields, write_frames, write_record
 
@@ -142,7 +146,7 @@ def field_command(
     time = options.asked(scene, "time", time, "time")
     thickness = options.asked(scene, "thickness", thickness, "length")
     stress_optical = options.asked(scene, "stress_optical", stress_optical, "stress length")
-    step = requests.fringe_stress(of, thickness, stress_optical)
+    step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
         raise SceneError("--grid needs --vtu; give both.")
@@ -150,14 +154,14 @@ def field_command(
         checked_word("--format", form, FORMATS)
     usual = scene.run.get("end_time", 1 / scene.material.shear_speed)
     time = usual if time is None else checked_size("field: time", time)
-    asked_window = None if window is None else requests.window_of(scene, window)
-    points = requests.count_of("points", points, 2, requests.MOST_POINTS)
-    frames = requests.count_of("animate", animate, 0, requests.MOST_FRAMES)
+    asked_window = None if window is None else _window_of(scene, window)
+    points = _count_of("points", points, 2, MOST_POINTS)
+    frames = _count_of("animate", animate, 0, MOST_FRAMES)
     times = np.linspace(time / max(frames, 1), time, max(frames, 1)).tolist()
-    cells = requests.cells_of(grid) if grid else requests.GRID
-    gauges = [requests.place_of(scene, place) for place in gauge or ()]
+    cells = _cells_of(grid) if grid else GRID
+    gauges = [_place_of(scene, place) for place in gauge or ()]
     count = 1000 if samples is None else samples
-    t = np.linspace(0.0, time, requests.count_of("samples", count, 2, requests.MOST_SAMPLES))
+    t = np.linspace(0.0, time, _count_of("samples", count, 2, MOST_SAMPLES))
     if form is not None and not frames:
         raise SceneError("--format is that of --animate; give both.")
     if samples is not None and not gauges:
@@ -223,3 +227,66 @@ def field_command(
         check_marched(answer, label)
     else:
         check_converged(answer, label)
+
+
+def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:
+    """Return the difference of principal stresses per fringe [stress], if it is given."""
+    if thickness is None and stress_optical is None:
+        return None
+    if of != "fringes":
+        raise SceneError("--thickness and --stress-optical are for --of fringes; add that.")
+    if thickness is None or stress_optical is None:
+        raise SceneError("fringes follow from --thickness and --stress-optical; give both.")
+    constant = checked_size("field: stress_optical", stress_optical)
+    return constant / checked_size("field: thickness", thickness)
+
+
+def _count_of(name: str, value: int, least: int, most: int) -> int:
+    if not least <= value <= most:
+        raise SceneError(
+            f"{options.option_name(name)} must be a whole number from {least} to {most}, got "
+            f"{shown(value)}."
+        )
+    return value
+
+
+def _window_of(scene: Scene, text: str) -> tuple[float, float, float, float]:
+    required = "be four numbers x0,x1,y0,y1 with x0 < x1 and y0 < y1"
+    x0, x1, y0, y1 = _numbers("window", text, 4, required, scene)
+    if not (x0 < x1 and y0 < y1):
+        raise SceneError(f"--window must {required}, got {shown(text)}.")
+    return x0, x1, y0, y1
+
+
+def _place_of(scene: Scene, text: str) -> tuple[float, float]:
+    x, y = _numbers("gauge", text, 2, "be two numbers x,y", scene)
+    return x, y
+
+
+def _cells_of(text: str) -> tuple[int, int]:
+    required = f"be two whole numbers nx,ny from 2 to {MOST_POINTS}"
+    nx, ny = _numbers("grid", text, 2, required)
+    if not all(count.is_integer() and 2 <= count <= MOST_POINTS for count in (nx, ny)):
+        raise SceneError(f"--grid must {required}, got {shown(text)}.")
+    return int(nx), int(ny)
+
+
+def _numbers(
+    name: str, text: str, count: int, required: str, scene: Scene | None = None
+) -> Iterator[float]:
+    """Parse a given count of finite numbers that are separated by commas.
+
+    They are lengths that may have units if there is a scene.
+    """
+    numbers: list[Any] = []
+    with suppress(ValueError, SceneError):
+        parts = text.split(",")
+        if scene is None:
+            numbers = [float(part) for part in parts]
+        else:
+            numbers = [measure(part, "length", si_size) for part in parts]
+    if scene is not None:
+        numbers = [options.asked(scene, name, number, "length") for number in numbers]
+    if len(numbers) != count:
+        raise SceneError(f"{options.option_name(name)} must {required}, got {shown(text)}.")
+    return iter([checked_number(options.option_name(name), number) for number in numbers])

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.parameters.numbers import numbers_of
+from semianalytic.scene.given.documents import MATERIAL
 from semianalytic.scene.units import unit
-from slipfront.surveys.parameters import MATERIAL
 from slipfront.surveys.plan import SurveyPlan, of_two_bodies
 from slipfront.surveys.points import DEFAULT_RTOL, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT

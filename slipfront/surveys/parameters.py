@@ -15,8 +15,6 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.finding import checked_scene, find
 from semianalytic.scene.scene import Scene
 
-MATERIAL = ("shear_modulus", "density", "poisson_ratio")
-
 
 def checked_subject(given: object) -> Scene:
     """Return the scene that a survey was given, itself or by its name or file.

@@ -9,8 +9,7 @@ import pytest
 from faults import FULL, full_disk
 
 from meshes import Blocks, mesh_of
-from meshes.build import APT_PACKAGES
-from meshes.cache import cache_path
+from meshes.build import APT_PACKAGES, cache_path
 from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 

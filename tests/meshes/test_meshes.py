@@ -9,8 +9,7 @@ import pytest
 from faults import as_nobody, open_folder
 
 from meshes import Blocks, causal_blocks, mesh_of, side_nodes
-from meshes.build import new_mesh_file, write_mesh
-from meshes.cache import cache_path
+from meshes.build import cache_path, new_mesh_file, write_mesh
 from meshes.read import read_mesh
 from semianalytic.scene.errors import DataFileError, SceneError
 
@@ -146,7 +145,7 @@ def test_impossible_blocks_are_refused(changes):
 def test_second_use_builds_nothing(own_cache, monkeypatch):
     first = mesh_of(TRIANGLES)
     assert [path.suffix for path in own_cache.iterdir()] == [".msh"]  # no temporary file is left
-    monkeypatch.setattr("meshes.cache.write_mesh", None)  # calling it would fail
+    monkeypatch.setattr("meshes.build.write_mesh", None)  # calling it would fail
     second = mesh_of(TRIANGLES)
     np.testing.assert_array_equal(first.p, second.p)
 

@@ -12,10 +12,10 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from semianalytic.dissimilar.stretch import Stretch
-from semianalytic.dissimilar.table import (
+from semianalytic.dissimilar.stretch import (
     Intervals,
     Series,
+    Stretch,
     from_values,
     integrated,
     interval_weights,

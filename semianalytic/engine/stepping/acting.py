@@ -111,11 +111,6 @@ def check_touching(scene: Scene, touching: NDArray[np.bool_]) -> None:
         raise SceneError(f"march: no node lies on the contact; use {least} nodes or more.")
 
 
-def times_of_loads(end_time: float) -> Array:
-    """Return the times at which loads that are functions are looked at, until an end time."""
-    return end_time * np.linspace(0.0, 1.0, LOOKS)[1:]
-
-
 def check_even(
     scene: Scene, loads: Sequence[InterfaceLoad | ActingFront], grid: Grid, end_time: float
 ) -> None:
@@ -138,7 +133,7 @@ def check_even(
         given += [
             (f"{of} of a load", partial(load.traction, t=float(time), of=of), x)
             for of in ("shear", "pressure")
-            for time in times_of_loads(end_time)
+            for time in end_time * np.linspace(0.0, 1.0, LOOKS)[1:]
         ]
     for what, value, at in given:
         right, left = value(at), value(-at)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from semianalytic.dissimilar.kernels import pair_of
 from semianalytic.engine.stepping.tuning import LARGEST_HORIZON
-from semianalytic.memory.cosines import cosines, from_cosines
 from semianalytic.memory.exponentials import fit_memory, fit_shared
 from semianalytic.memory.impedance import Antiplane, InPlane, Opening
 from semianalytic.memory.line_memory import Kernels, LineMemory
@@ -135,7 +136,7 @@ class Grid:
         """Return the amplitudes of waves along x, real (rows, m), written to `out` if given."""
         if self.even:
             out = np.empty((1, len(values))) if out is None else out
-            cosines(values, out[0], 2 if self.between else 1)
+            _cosines(values, out[0], 2 if self.between else 1)
             return out
         from scipy.fft import rfft  # imported late, which keeps `import semianalytic` fast
 
@@ -148,7 +149,7 @@ class Grid:
         """Return the values at nodes (n,) of amplitudes (rows, m), written to `out` if given."""
         if self.even:
             out = np.empty(amplitudes.shape[1]) if out is None else out
-            from_cosines(amplitudes[0], out, 2 if self.between else 1)
+            _from_cosines(amplitudes[0], out, 2 if self.between else 1)
             return out
         from scipy.fft import irfft
 
@@ -157,6 +158,49 @@ class Grid:
             return found
         out[:] = found
         return out
+
+
+def _cosines(values: Array, out: Array, kind: int = 2) -> None:
+    """Write the amplitudes of the cosines of values at the nodes (size,) to another array.
+
+    The line is even about both of its ends, which lie half a spacing from the outermost nodes
+    (kind 2) or on them (kind 1).
+    """
+    _transform()(values, kind, (0,), 0, out)
+
+
+def _from_cosines(amplitudes: Array, out: Array, kind: int = 2) -> None:
+    """Write the values at the nodes (size,) that have these amplitudes to another array."""
+    # the inverse of type 2 is type 3, and that of type 1 is itself
+    _transform()(amplitudes, 3 if kind == 2 else 1, (0,), 2, out)
+
+
+@cache
+def _transform() -> Callable[[Array, int, tuple[int], int, Array], object]:
+    """Return the cosine transform (values, type, axes, 2 to divide by 2 n or 0, out)."""
+    from scipy.fft import dct, idct  # here, for `import semianalytic` is to be quick
+
+    # scipy.fft spends 12 microseconds around each call of the function below, twice what 500 nodes
+    # take.  That function is not public: where a version of scipy has it elsewhere or with other
+    # arguments, scipy.fft serves.
+    given, found = np.arange(4.0), np.empty((4, 4))
+    try:
+        direct = import_module("scipy.fft._pocketfft.pypocketfft").dct
+        for row, (kind, scaling) in zip(found, ((2, 0), (3, 2), (1, 0), (1, 2)), strict=True):
+            direct(given, kind, (0,), scaling, row)
+    except (ImportError, AttributeError, TypeError, ValueError, RuntimeError):
+        found[:] = np.nan
+    known = [dct(given), idct(given), dct(given, type=1), idct(given, type=1)]
+    if np.allclose(found, known, rtol=1e-12):
+        return direct
+
+    def public(values: Array, kind: int, axes: tuple[int], scaling: int, out: Array) -> None:
+        if scaling:  # scipy names an inverse by the type that it inverts
+            out[:] = idct(values, type=1 if kind == 1 else 2)
+        else:
+            out[:] = dct(values, type=1 if kind == 1 else 2)
+
+    return public
 
 
 def memories(

@@ -267,7 +267,8 @@ class _Reading:
         ends = {"-inf": -math.inf, "inf": math.inf}  # JSON has no infinity
         parts = value["intervals"] if isinstance(value["intervals"], list) else ()
         rows = (part if isinstance(part, list) else () for part in parts)
-        return Contact([[ends.get(str(end), end) for end in row] for row in rows])
+        places: Any = [[ends.get(str(end), end) for end in row] for row in rows]
+        return Contact(places)
 
     def load(self, given: Any, contact: Contact) -> Any:
         """Return the load that a table describes."""

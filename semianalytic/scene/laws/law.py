@@ -279,11 +279,6 @@ def follows_path(law: type[Law]) -> bool:
     )
 
 
-def reduction_of(law: Any) -> float:
-    """Return the part of the static friction of a law that is lost, without roundings."""
-    return float(f"{1 - law.dynamic / law.static:.14g}") if law.static else 0.0
-
-
 def _decades() -> Array:
     """Return 0, and 1e-30 to 1e30 in tenths of decades."""
     return np.concatenate([[0.0], np.logspace(-30, 30, 601)])

@@ -9,7 +9,7 @@ from functools import cached_property
 from numbers import Real
 from typing import Any
 
-from semianalytic.scene.checks import checked_number, checked_size, plain, shown
+from semianalytic.scene.checks import check_fields, checked_size, plain, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.kinds import beyond_similarity
@@ -142,12 +142,10 @@ class AlongLine:
             )
 
     def _check_contact(self) -> None:
-        # fields of a frozen class are set as plain numbers
-        plate = checked_number("scene: plate_rate", self.plate_rate)
-        object.__setattr__(self, "plate_rate", plate)
+        check_fields(self, "scene", ("plate_rate",))
         for name in ("held", "period"):
             if not isinstance(plain(size := getattr(self, name)), Real) or size != math.inf:
-                object.__setattr__(self, name, checked_size(f"scene: {name}", size))
+                check_fields(self, "scene", (name,), checked_size)
         reach = self.period / 2
         for begin, end in self.contact.intervals:
             if any(math.isfinite(end) and abs(end) > reach for end in (begin, end)):

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.scene.arguments import checking_methods
 from semianalytic.scene.arrays import Array
-from semianalytic.scene.checks import checked_number, checked_word, shown
+from semianalytic.scene.checks import check_fields, checked_word, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.laws.alike import Alike
@@ -176,7 +176,7 @@ class FrontLoad(Alike):
             raise SceneError(
                 f"load: the history of a front must be a LoadHistory, got {shown(self.history)}."
             )
-        object.__setattr__(self, "at", checked_number("load: at", self.at))
+        check_fields(self, "load", ("at",))
 
     @property
     def on(self) -> str:

@@ -10,8 +10,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.quadrature.layout import lies_between
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.rated.law import UnitLaw
-from semianalytic.selfsimilar.rated.newton import Rated, rated_zones
-from semianalytic.selfsimilar.rated.steepness import cut_off, least_exponent
+from semianalytic.selfsimilar.rated.newton import Rated, cut_off, least_exponent, rated_zones
 from semianalytic.selfsimilar.zones import tuning
 from semianalytic.selfsimilar.zones.corrections import corrected
 from semianalytic.selfsimilar.zones.coulomb import violations

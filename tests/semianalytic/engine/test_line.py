@@ -5,9 +5,9 @@ import pytest
 
 import semianalytic as sf
 from docs.studies.lines import scene_along
+from semianalytic.engine.stepping import line
 from semianalytic.engine.stepping.line import Grid
 from semianalytic.engine.stepping.steps import Stepper
-from semianalytic.memory import cosines
 from semianalytic.memory.exponentials import fit_memory
 from semianalytic.memory.impedance import Antiplane, InPlane
 from semianalytic.memory.line_memory import LineMemory, phi
@@ -34,8 +34,8 @@ def test_phi_functions_keep_all_digits(z):
 def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     grid = Grid(3.0, 16, between, even)
     if not private:  # a version of scipy without the function behind scipy.fft
-        monkeypatch.setattr(cosines, "_transform", cosines._transform.__wrapped__)
-        monkeypatch.setattr(cosines, "import_module", lambda name: None)
+        monkeypatch.setattr(line, "_transform", line._transform.__wrapped__)
+        monkeypatch.setattr(line, "import_module", lambda name: None)
     values = np.cos(2 * np.pi * grid.x / 3) + 0.3 + (0 if even else np.sin(4 * np.pi * grid.x / 3))
     assert np.allclose(grid.values(grid.amplitudes(values)), values, atol=1e-14)
     assert grid.amplitudes(values).shape[1] == len(grid.wavenumbers)
