@@ -51,8 +51,8 @@ class Tractions:
     Tractions(pressure=5000000.0, shear=1000000.0)
     """
 
-    pressure: Any
-    shear: Any
+    pressure: Any = 0.0
+    shear: Any = 0.0
 
     def __post_init__(self) -> None:
         numbers = [name for name in ("pressure", "shear") if not callable(getattr(self, name))]

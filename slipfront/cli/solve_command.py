@@ -89,7 +89,7 @@ def solve_command(
     """
     label = scene_label(scene_name)
     if Path(scene_name).suffix == ".h5":
-        instead = "a TOML file, a solution that was saved, or a march to --go-on"
+        instead = "a TOML file or a saved exact answer; --go-on continues a saved march"
         problem = read_answer(scene_name, SOLVED, SavedScene, instead, "solve it again").scene
     else:
         problem = find(scene_name)

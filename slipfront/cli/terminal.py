@@ -122,7 +122,7 @@ def facts_table(answer: Any) -> PrintedTable:
         growth = f"{100 * math.expm1(wave.per_wavelength):.3g}"
         table.add_row("growth of waves towards the edge in a march", growth, "% per wavelength")
     table.add_row("status", answer.status, "")
-    table.add_row("error estimate", f"{answer.error_estimate:.1e}", "of c_t, of values")
+    table.add_row("error estimate", f"{answer.error_estimate:.1e}", "of c_t and of values")
     for name, value in known.get("statistics", {}).items():
         table.add_row(name.replace("_", " "), _plain(value), "s" if name == "seconds" else "")
     return table

@@ -169,7 +169,7 @@ def test_solve_saves_an_exact_answer(shown, printed, refused):
     assert sf.load("patch.h5").scene == find("whole-line-patch")
     assert "ends in .h5" in refused("solve preloaded --save answer.nc")
     solve(find("ramp"), nodes=50).save("march.h5")
-    assert "a march to --go-on" in refused("solve march.h5", 3)
+    assert "--go-on continues a saved march" in refused("solve march.h5", 3)
 
 
 def test_solve_marches_saves_and_goes_on(tmp_path, shown, printed):
