@@ -70,8 +70,11 @@ def _worst(
     seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
     predicted, simulated = (getattr(history, name) / unit for history in (case.at_nodes, seen))
     x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
-    change = np.abs(interpolated(middle, name, x, t) - interpolated(coarse, name, x, t)) / unit
-    change += _driven(case, name)
+    rough = interpolated(coarse, name, x, t) / unit
+    change = np.abs(interpolated(middle, name, x, t) / unit - rough)
+    # Where the curves of both meshes cross, a place is not known better than all of the field.
+    whole = change.sum() / max(np.abs(rough).sum(), np.finfo(float).tiny)
+    change = np.maximum(change, whole * np.abs(predicted)) + _driven(case, name)
     largest = float(np.abs(getattr(middle, name)).max()) / unit
     bar = LOCAL * scipy.ndimage.maximum_filter(change, _band(case)) + LOCAL_FLOOR * largest
     bar = case.local * bar + case.nothing(name) + case.error_estimate * largest

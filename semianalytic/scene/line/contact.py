@@ -193,7 +193,7 @@ class Contact:
 def _cell(length: float, nodes: int) -> float:
     """Return the node distance of a grid [length]."""
     count = checked_count("contact: nodes", nodes, 1, "a whole number from")
-    return checked_size("contact: length", length) / count
+    return (length if length == math.inf else checked_size("contact: length", length)) / count
 
 
 @checking_methods

@@ -106,7 +106,7 @@ def test_slots_openings_and_halves_agree():
     assert judged.prediction.error_estimates["gap"] > 0.5
     assert judged.prediction.status == "done"
     assert "gap" not in {row.kind for row in judged.rows}
-    assert compare_interface(slotted, 1.5, 192).verdict == "agrees"
+    assert compare_interface(slotted, 1.5).verdict == "agrees"
     judged = compare_interface(lifted, 1.5, 192)
     assert judged.verdict == "agrees"
     assert {row.kind for row in judged.rows if row.verdict == "agrees"} >= {"gap", "slip"}
