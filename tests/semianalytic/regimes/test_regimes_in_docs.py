@@ -41,7 +41,7 @@ def test_front_breaks_before_the_edge_and_starts_a_second_zone():
 
 
 def test_gap_of_a_preload():
-    [(ratio, unit)] = quoted_numbers(REGIMES, "it passes 10⁻¹⁴ only for ν > {}")
+    [(ratio, unit)] = quoted_numbers(REGIMES, "below 10⁻¹⁴ only for ν > {}")
     assert gap_threshold("preload", ratio - 2 * unit) is None
     assert gap_threshold("preload", ratio + 2 * unit) is not None
 
@@ -72,7 +72,7 @@ def test_widths_of_reversed_strips():
     third, half, fifth = (
         math.exp(reverse_slip.log_frictionless_half_width(nu)) for nu in (THIRD, -0.5, 0.2)
     )
-    assert_page_says(REGIMES, "down to half-widths of {} at", third)
+    assert_page_says(REGIMES, "the latter is {} at", third)
     assert_page_says(REGIMES, "strip that then reverses is {} c_R", third)
     assert_page_says(
         THEORY, "half-width is {} $c_R$ at ν = −0.5, {} at 0.2 and {} at 1/3", half, fifth, third
