@@ -74,7 +74,10 @@ def test_pages_say_what_is_computed(page, sentence, values):
     [
         (THEORY, "complex for ν > {} ("),
         ("docs/solver.md", "which exists for ν > {}."),
-        ("docs/stability.md", "For ν > {} the root of the Rayleigh function on its other sheet is complex"),
+        (
+            "docs/stability.md",
+            "For ν > {} the root of the Rayleigh function on its other sheet is complex",
+        ),
     ],
 )
 def test_hidden_root(page, sentence):
