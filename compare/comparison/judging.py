@@ -41,6 +41,7 @@ DIVERGES = (
 )
 NO_BAR = "no coarser mesh shows it, so that it has no error bar"
 FEW = f"no coarser mesh has {UNSEEN} nodes of it in a row, so that it has no error bar"
+UNSHOWN = f"{BEYOND}no coarser mesh has {UNSEEN} nodes of it in a row"
 WIDE = f"its error bar is more than {TELLING:g} of what is compared"
 """Obstacles of rows that meshes do not decide although they do not move apart."""
 
@@ -289,7 +290,7 @@ def judged(
         return replace(held, obstacle=case.amplified)
     doubted = held.verdict == DIFFERS and held.over_bar < BY_CHANCE and not case.shown
     if doubted and row.kind not in ("arrival", "law"):
-        return replace(held, obstacle=FEW, resolution=finer)
+        return replace(held, obstacle=UNSHOWN, resolution=finer)
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:
