@@ -89,6 +89,7 @@ class SelfSimilarAnswer(Gridded):
             total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
         return np.asarray(total)
 
+    @np.errstate(divide="ignore", invalid="ignore")  # at the largest times and smallest positions
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]; raises like
         `slip_rate`."""

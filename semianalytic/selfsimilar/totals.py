@@ -51,6 +51,7 @@ class ContactTotals(SelfSimilarAnswer):
     def _speed(self) -> float:
         return float(self.scene.material.shear_speed)
 
+    @np.errstate(divide="ignore", invalid="ignore")  # at the smallest positions
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the energy turned to heat at x until t, per area [stress length]; raises like
         `slip_rate`."""
