@@ -250,20 +250,20 @@ class Case:
         least, count = NOTHING * self.rate if name == "slip_rate" else 0.0, 0
         for answer in self.expected[1:]:
             moves = np.abs(getattr(answer, name)[levels]) > least
-            if moves.any() and not (moves & ~too_narrow(moves)).any():
+            if moves.any() and not _in_rows(moves):
                 break
             count += 1
         return count
 
     @cached_property
-    def shown(self) -> bool:
+    def shows_motion(self) -> bool:
         """Whether a coarser mesh has `UNSEEN` nodes in a row of what slips or opens, if any does.
 
         Changes from mesh to mesh are small by chance where each has a node or two of it.
         """
         least = NOTHING * self.rate
         finest, *others = ((np.abs(e.slip_rate) > least) | (e.gap > 0) for e in self.expected)
-        return not others or not finest.any() or any((~too_narrow(m) & m).any() for m in others)
+        return not others or not finest.any() or any(map(_in_rows, others))
 
     @property
     def error_estimate(self) -> float:
@@ -416,6 +416,11 @@ def beyond_edge(x: Array, run: Simulation) -> Mask:
 def too_narrow(parts: Mask, least: int = UNSEEN) -> Mask:
     """Mask of the parts that fewer than so many nodes in a row belong to, (m, n)."""
     return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, least), dtype=bool))
+
+
+def _in_rows(moves: Mask) -> bool:
+    """Whether any nodes are set that are not `too_narrow`."""
+    return bool((moves & ~too_narrow(moves)).any())
 
 
 def worn_of(part: int, answer: Answer, at_nodes: InterfaceHistory) -> Array:

@@ -286,11 +286,11 @@ def judged(
         off = math.inf if row.difference is None else abs(row.difference)
         differs = limited.verdict == DIFFERS and off > before()
         held = limited if differs else replace(row, obstacle=DIVERGES, resolution=finer)
-    if held.verdict == DIFFERS and case.amplified and row.kind not in ("arrival", "law"):
-        return replace(held, obstacle=case.amplified)
-    doubted = held.verdict == DIFFERS and held.over_bar < BY_CHANCE and not case.shown
-    if doubted and row.kind not in ("arrival", "law"):
-        return replace(held, obstacle=UNSHOWN, resolution=finer)
+    if held.verdict == DIFFERS and row.kind not in ("arrival", "law"):
+        if case.amplified:
+            return replace(held, obstacle=case.amplified)
+        if held.over_bar < BY_CHANCE and not case.shows_motion:
+            return replace(held, obstacle=UNSHOWN, resolution=finer)
     if not error.converges:
         return held
     if row.verdict == UNRESOLVED:

@@ -65,7 +65,10 @@ _Check = tuple[Callable[[Any], bool], str]
 _NUMBERS = ("float", "ArrayLike", "Array | float", "Array")
 """Annotations of what is computed with as floating-point numbers, whatever its type."""
 _ARRAY: _Check = (lambda value: floats_of(value) is not None, "a number or an array of numbers")
-_ROW: _Check = (lambda value: floats_of(value).ndim > 0, "an array of numbers")  # type: ignore[union-attr]
+_ROW: _Check = (
+    lambda value: (row := floats_of(value)) is not None and row.ndim > 0,
+    "an array of numbers",
+)
 _PATH: _Check = (lambda value: "\0" not in fspath(value), "a path without NUL characters")
 _TYPES: Mapping[str, _Check] = {
     "float": (_is_number, f"a finite number up to {LARGEST:g}"),

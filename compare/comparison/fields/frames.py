@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import zlib
-from base64 import b64decode
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,9 +17,14 @@ from semianalytic.results.files import check_seal
 from semianalytic.scene.arrays import Array, Mask
 from semianalytic.scene.errors import DataFileError
 
+if TYPE_CHECKING:
+    import meshio
+
 IN_PLANE = ("sigma_xx", "sigma_yy", "sigma_xy")
 OUT_OF_PLANE = ("sigma_xz", "sigma_yz")
 AXES = "xyz"
+CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
+"""Number of corner nodes of an element, which come first among its nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +59,17 @@ class Mesh:
     """Mesh of both bodies, with the areas that its nodes and elements stand for."""
 
     points: Array  # (n, 2) array: nodes [length]
+    cells: NDArray[np.integer[Any]]  # (m, k) array: nodes of each element, its corners first
     # (n,) array: second coordinate of the nodes, with the sign of their body: -0.0 on the lower
     # face
     y: Array
     held: Array  # (n,) array: area that each node stands for [length^2]
     centre: Array  # (m, 2) array: centres of the elements [length]
     area: Array  # (m,) array: areas of the elements [length^2]
-    text: tuple[str | None, ...]  # that of its nodes and elements in a file
+
+    def is_of(self, points: Array, cells: NDArray[np.integer[Any]]) -> bool:
+        """Whether the mesh has these nodes and elements."""
+        return np.array_equal(self.points, points) and np.array_equal(self.cells, cells)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,49 +98,31 @@ def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
     The mesh of an earlier frame is used again if this frame has the same: areas and centres take
     almost as long as reading.
     """
-    try:
-        check_seal(path)
-        arrays = {entry.get("Name"): entry for entry in ElementTree.parse(path).iter("DataArray")}
-        antiplane = "sigma_yz" in arrays
+    with frame_mesh(path) as mesh:
+        (block,) = mesh.cells
+        points, cells = mesh.points[:, :2], block.data
+        antiplane = "sigma_yz" in mesh.cell_data
         axes = AXES if antiplane else AXES[:2]
         moved = {
-            f"{symbol}_{axis}": values
+            f"{symbol}_{axis}": mesh.point_data[name][:, number]
             for symbol, name in (("v", "velocity"), ("u", "displacement"))
-            for axis, values in zip(axes, _values(arrays[name]).T, strict=False)
+            for number, axis in enumerate(axes)
         }
         names = IN_PLANE + (OUT_OF_PLANE if antiplane else ())
-        stress = {name: _values(arrays[name]) for name in names}
-        text = arrays["Points"].text, arrays["connectivity"].text
-        if known is None or known.text != text:
-            corners = int(_values(arrays["offsets"])[0])
-            cells = _values(arrays["connectivity"]).reshape(-1, corners)
-            known = _mesh(_values(arrays["Points"])[:, :2], cells, text)
-    except Exception as error:  # a damaged file can be wrong in any way
-        raise DataFileError(f"{path} cannot be read as a snapshot; simulate again.") from error
+        stress = {name: mesh.cell_data[name][0] for name in names}
+        if known is None or not known.is_of(points, cells):
+            known = _mesh(points, cells, CORNERS[block.type])
     if not all(np.isfinite(values).all() for values in (moved | stress).values()):
         raise DataFileError(f"{path} has values that are not finite; simulate again.")
-    nodes = Places(known.points[:, 0], known.y, known.held, moved)
+    nodes = Places(points[:, 0], known.y, known.held, moved)
     return Frame(
         time, nodes, Places(known.centre[:, 0], known.centre[:, 1], known.area, stress), known
     )
 
 
-def _values(entry: ElementTree.Element) -> NDArray[Any]:
-    """Return the array (n,), or (n, k), of a VTU file: sizes of blocks, and blocks, compressed."""
-    text = (entry.text or "").strip()
-    count = int.from_bytes(b64decode(text[:8])[:4], "little")
-    end = 4 * math.ceil(4 * (3 + count) / 3)  # four characters stand for three bytes
-    sizes = np.frombuffer(b64decode(text[:end]), "<u4")[3:]
-    blocks, ends = b64decode(text[end:]), np.cumsum(sizes, dtype=int)
-    raw = b"".join(zlib.decompress(blocks[at - n : at]) for at, n in zip(ends, sizes, strict=True))
-    values = np.frombuffer(raw, np.dtype(entry.attrib["type"].lower()).newbyteorder("<"))
-    width = int(entry.get("NumberOfComponents", 1))
-    return values.reshape(-1, width) if width > 1 else values
-
-
-def _mesh(points: Array, cells: NDArray[np.integer[Any]], text: tuple[str | None, ...]) -> Mesh:
-    """Return the mesh that has this text in a file."""
-    corners = points[cells]
+def _mesh(points: Array, cells: NDArray[np.integer[Any]], sides: int) -> Mesh:
+    """Return a mesh whose elements have a number of sides."""
+    corners = points[cells[:, :sides]]
     x, y = np.moveaxis(corners, 2, 0)
     following = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     area = np.abs((x * following[1] - y * following[0]).sum(axis=1)) / 2
@@ -141,7 +132,7 @@ def _mesh(points: Array, cells: NDArray[np.integer[Any]], text: tuple[str | None
     share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
     held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
     height = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
-    return Mesh(points, height, held, centre, area, text)
+    return Mesh(points, cells, height, held, centre, area)
 
 
 def last_frame(folder: Path, run: str | None = None) -> Frame:
@@ -184,3 +175,15 @@ def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Pat
             "simulate again, or leave them out with --no-snapshots."
         )
     return entries
+
+
+@contextmanager
+def frame_mesh(path: Path) -> Iterator[meshio.Mesh]:
+    """The mesh and fields of a frame; DataFileError if it is damaged or lacks what is read."""
+    import meshio
+
+    try:
+        check_seal(path)
+        yield meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio raises bare exceptions, and exits on some
+        raise DataFileError(f"{path} cannot be read as a snapshot; simulate again.") from error

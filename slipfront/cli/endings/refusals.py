@@ -107,7 +107,7 @@ def sentence(error: Any) -> str:
             )
         guesses = " or ".join(sorted(error.possibilities or ()))
         more = f"did you mean {guesses}?" if guesses else f"'{called} --help' lists them."
-        if error.option_name == "--material" and called != "slipfront init":
+        if error.option_name == "--material":
             more = "slipfront init mine.toml --material writes a scene of a listed solid."
         return f"{called} has no option {error.option_name}; {more}"
     if name and type(error).__name__ == "MissingParameter":

@@ -320,7 +320,7 @@ METHODS = [
 
 
 class Failing:
-    """What a frame of another package may be: it has a shape, and no array can be made of it."""
+    """A table of another package that has a shape, but of which numpy can make no array."""
 
     shape = (4,)
 

@@ -10,7 +10,7 @@ from catalogue import PRELOADED, REMOTE, SHOCK, unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from semianalytic import RateWeakening, SceneError, solve
+from semianalytic import Material, RateWeakening, Scene, SceneError, Tractions, solve
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
@@ -87,6 +87,26 @@ def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
 @pytest.mark.parametrize("name", ["viscous", "antiplane", "moving-load"])
 def test_sweeps_of_films_antiplane_shear_and_moving_loads_agree_with_single_solutions(name):
     check_against_single(sweep(find_scene(name), np.linspace(0.15, 1.0, 6), 1e-8), 1e-8)
+
+
+def test_a_third_zone_that_appears_next_to_two_is_that_of_single_solutions():
+    """It exists below a friction within the sweep, next to the ratio of tractions at a front."""
+    start = Scene(
+        Material(1, 1, 0.45), 0.0057,
+        base=Tractions(1, 0.002242159297204636),
+        load=Tractions(0.49976385766580994, -0.1382420818219758),
+    )  # fmt: skip
+    swept = sweep(start, np.linspace(0.0022425, 0.0023, 24), 1e-6)
+    assert [len(solution.zones) for solution in swept.solutions[:: len(swept) - 1]] == [3, 2]
+    check_against_single(swept, 1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 5.0])
+def test_a_sweep_of_one_friction_is_the_single_solution(friction):
+    """Also without friction, and with so much that hardly anything slips."""
+    swept = sweep(unit_scene(1.0), [friction], 1e-6)
+    assert swept.origin == (FROM_SCRATCH,)
+    check_against_single(swept, 1e-6)
 
 
 def test_friction_that_falls_with_slip_rate_is_solved_one_by_one():
