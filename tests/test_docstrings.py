@@ -58,6 +58,19 @@ def test_docstrings_begin_with_a_sentence() -> None:
     assert {name: item for name, item in begun.items() if not re.match(r"[A-Z].*\.$", item)} == {}
 
 
+def test_described_parameters_are_those_of_the_signature() -> None:
+    # Text that follows a section without a heading of its own would be read as a parameter.
+    unknown = {}
+    for name, member in (DESCRIBED | METHODS).items():
+        text = inspect.cleandoc(member.__doc__ or "")
+        if section := re.search(r"(?ms)^Parameters\n-+\n(.*?)(?=^[^\n]+\n---+$|\Z)", text):
+            lines = re.findall(r"(?m)^\S.*$", section[1])
+            words = {word.strip("* ") for line in lines for word in line.split(":")[0].split(",")}
+            if words - set(inspect.signature(member).parameters):
+                unknown[name] = lines
+    assert unknown == {}
+
+
 def test_public_names_have_examples() -> None:
     errors = {
         name

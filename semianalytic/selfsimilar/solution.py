@@ -271,7 +271,10 @@ class Solution(ContactTotals, AnswerInBodies):
         x, t : arrays
             Positions [length] and times [time], which broadcast.
 
-        Raises what `slip_rate` raises.
+        Raises
+        ------
+        SceneError
+            As `slip_rate` does.
         """
         # The scale of the shear traction is that of the largest load, the wave of a remote one too.
         base, (held, load) = self.scene.base, self.scene.superposition
