@@ -146,7 +146,7 @@ def sheets() -> Mapping[str, Sheet]:
 
 
 def sheet_names() -> tuple[str, ...]:
-    """Names of all sheets, those with classes first."""
+    """Names of all sheets, those of `sheets` first."""
     return tuple(dict.fromkeys((*sheets(), *NAMED_SCENES, *NAMED_LINES)))
 
 

@@ -182,8 +182,8 @@ def compare_command(
 
 
 NO_FIELDS = (
-    "The snapshots are not compared: a march under an incident wave or a moving load does not have "
-    "the fields in the bodies (docs/limits.md)."
+    "The snapshots are not compared: a march follows an incident wave or a moving load over a part "
+    "of the slot only (docs/spacetime.md)."
 )
 
 

@@ -124,10 +124,10 @@ def field_command(
 
     Velocity, stress and displacement are exact if the scene is self-similar, between different
     bodies as well: the lower one is lower_material of the file, or equals the upper one
-    except for the numbers that are given.  All other scenes are marched until --time.  A picture is
-    written to DIR/SCENE_QUANTITY.png, an animation to the same folder, grids to DIR/fields.pvd, and
-    the record of the first --gauge to DIR/SCENE_gauge-1.csv; at the end every file is listed with
-    what it shows.
+    except for the numbers that are given.  Other scenes with a slot, and those on a line, are
+    marched until --time.  A picture is written to DIR/SCENE_QUANTITY.png, an animation to the same
+    folder, grids to DIR/fields.pvd, and the record of the first --gauge to DIR/SCENE_gauge-1.csv;
+    at the end every file is listed with what it shows.
     """
     require("slipfront field", *PLOT, *(FEM if vtu else ()))
     from compare.figures.animation import check_format, write_animation

@@ -52,7 +52,7 @@ MOVING_NODES = 150
 """Nodes along curves while a slider moves; at edges and fronts, more are added."""
 MOVING_POINTS, POINTS = 24, 90
 """Points across the picture of the field while a slider moves, and when it stands still."""
-NO_FIELD = "The field in the bodies under a load whose front moves is not known from a march."
+NO_FIELD = "If the front of a load moves, only slipfront field draws the bodies after a march."
 LISTEN = 40
 """Interval at which messages of other processes are read [ms]."""
 

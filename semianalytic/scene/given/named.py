@@ -106,7 +106,7 @@ NAMED_SCENES: dict[str, NamedScene] = {
     ),
     "tap": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=Tractions(0.02, 0.0), load=Tractions(1.0, 0.0)),
-        "sudden pressure on a base of a fiftieth of it: the contact opens ahead and closes again",
+        "sudden loss of 50 times the base pressure: the contact opens ahead and closes again",
     ),
     "pair-slip": NamedScene(
         Scene(_GOUGE, 0.2, Tractions(2.0, 0.0), Tractions(0.3, 1.0), lower_material=_ROCK),

@@ -101,7 +101,7 @@ def export(
         list[str] | None,
         typer.Argument(
             metavar="[NAME...]",
-            help="Sheets to write; by default those with classes.",
+            help="Sheets to write; by default those of docs/benchmarks.md.",
             autocompletion=completion.sheets,
         ),
     ] = None,
