@@ -145,12 +145,12 @@ def _too_wide(bar: Bar, grids: Grids, exact: Exact) -> str:
     """Why a bar is too wide, and what would narrow it."""
     grid = bar.grid or 0.0
     if bar.data >= max(grid, bar.answer):
-        return f"the noise of the data leaves it open by {100 * (bar.whole or 0.0):.2g} %"
+        return f"the noise of the data makes its bar {100 * (bar.whole or 0.0):.2g} % long"
     if bar.answer >= grid:
-        return f"the error of the answer leaves it open by {100 * (bar.whole or 0.0):.2g} %"
+        return f"the error of the answer makes its bar {100 * (bar.whole or 0.0):.2g} % long"
     cells = _cells(grids, exact, bar)
     remedy = f"; {cells} cells over c_t T suffice" if cells else "; a finer grid is needed"
-    return f"this grid leaves it open by {100 * (bar.whole or 0.0):.2g} %{remedy}"
+    return f"this grid makes its bar {100 * (bar.whole or 0.0):.2g} % long{remedy}"
 
 
 def _cells(grids: Grids, exact: Exact, bar: Bar) -> int | None:

@@ -324,7 +324,7 @@ def test_noise_that_hides_everything_is_what_stands_in_the_way(gauges):
     found = validate(gauges, PRELOADED, spacing=0.01, conventions=said)
     (row,) = (row for row in found.rows if row.name == "slip all stations")
     assert row.verdict == "unresolved"
-    assert row.obstacle.startswith("the noise of the data leaves it open by")
+    assert row.obstacle.startswith("the noise of the data makes its bar")
 
 
 @pytest.mark.parametrize("seed", range(2))
