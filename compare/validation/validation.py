@@ -124,7 +124,7 @@ def validate(
     spacing: float | Sequence[float] | None = None,
     conventions: Conventions | None = None,
 ) -> Validation:
-    """Compare what another code recorded on the interface with the exact answer.
+    """Compare what another code recorded on the interface with the answer of `solve`.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ def _is_ratio(given: float) -> bool:
 @with_quantities
 @dataclass(frozen=True)
 class Material:
-    """Isotropic linear elastic solid, the same on both sides of the interface.
+    """Isotropic linear elastic solid of both bodies, or of one of two.
 
     Parameters
     ----------

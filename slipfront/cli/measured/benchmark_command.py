@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from compare.benchmarks.scores import Score
 
 app = typer.Typer(
-    help="Benchmark problems with exact answers for any code, and scores of its results.",
+    help="Benchmark problems with answers of known error for any code, and scores of its results.",
     invoke_without_command=True,
 )
 

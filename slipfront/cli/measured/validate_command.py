@@ -128,7 +128,7 @@ def validate_command(
     figures: options.FiguresForm = "png",
     as_json: options.AsJson = False,
 ) -> None:
-    """Compare what another code recorded on the interface with the exact answer.
+    """Compare what another code recorded on the interface with the answer of `solve`.
 
     Inferred conventions are printed first, with the options that state them; units are never
     inferred.  The exit code is 0 if nothing differs by more than the error bars allow, 1 if
