@@ -1,7 +1,7 @@
 """Random problems answered in two ways: ``python -m docs.studies.trials.crossings --output docs``.
 
-The answer to each of 1,000 problems is held against what another method, another statement of the
-problem, a finer grid or a file makes of it.  Differences are counted over what both answers say
+The answer to each of 1,360 problems is compared with that of another method, another statement of
+the problem, a finer grid or a file.  Differences are counted over what both answers say
 that they may be; problems that are refused or unresolved are drawn anew.  An interrupted run goes
 on where it stopped.
 """
