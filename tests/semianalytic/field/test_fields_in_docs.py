@@ -9,9 +9,9 @@ from semianalytic import find, solve
 
 def test_error_of_the_default_scene_is_that_of_the_page():
     ((error, _),) = quoted_numbers("docs/fields.md", "The estimate is {} for the default scene")
-    assert solve(find("preloaded")).field_error == pytest.approx(error, rel=1)
+    assert solve(find("preloaded")).field_error == pytest.approx(error, rel=0.3)
     ((error, _),) = quoted_numbers("docs/fields.md", "and {} for that scene at `rtol=1e-11`")
-    assert solve(find("preloaded"), rtol=1e-11).field_error == pytest.approx(error, rel=1)
+    assert solve(find("preloaded"), rtol=1e-11).field_error == pytest.approx(error, rel=0.3)
 
 
 def test_stress_at_the_edge_grows_as_the_page_says():
