@@ -284,9 +284,9 @@ def viscous_closing(poisson_ratio: float, viscosity: float) -> float | None:
     """Return the friction f P_b / Q_0 below which one zone covers c_R under a step of shear.
 
     With a resistance eta the slope of slip rate at c_R is given by the pressure, which is least
-    there: V' = 0, and V is least at c_R in a zone that covers it.  The gap closes where that is 0.
-    There is no such friction without viscosity, where a small viscosity leaves a gap however low
-    friction is, or, for any viscosity, where the stuck traction at c_R opposes the load.  As
+    there: V' = 0, and V has a minimum at c_R in a zone that covers it.  The gap closes where it is
+    0.  There is no such friction without viscosity, where a small viscosity leaves a gap however
+    low friction is, or, for any viscosity, where the stuck traction at c_R opposes the load.  As
     viscosity grows the friction tends to that traction, q*(c).
 
     Returns

@@ -463,7 +463,7 @@ class Scene(AlongLine):
         if self.front_too_slow:
             raise SceneError(
                 "solve: the front of the load comes along the slot at "
-                f"{1 / self.front_slowness:.4g}, not faster than the first wave, "
+                f"{1 / self.front_slowness:.4g}, not 1 % faster than the first wave, "
                 f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
                 "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
                 "or march it from where it enters the slot, with `method` space-time "
