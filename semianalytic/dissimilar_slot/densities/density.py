@@ -50,7 +50,7 @@ class OnPanel:
     """Quantities in the equations on one panel, at its nodes and half-way between them."""
 
     panel: Panel
-    rows: Complex  # the vectors g, one where it slips and two where it is open, (r, m, 2)
+    rows: Complex  # vectors g with eta, one where it slips and two where it is open, (r, m, 2)
     turned: Array  # Im g R(-v), (r, m, 2)
     sources: Array  # Psi^T / n_inf at the nodes, (n, 2, 2)
     entries: Entries
@@ -72,6 +72,7 @@ class Density:
     zones: tuple[MovingZone, ...]
     rule: PanelRule
     parts: tuple[OnPanel, ...]
+    solution: Array  # phi and amplitudes of all panels
     # dV/dx and dU/dx at the nodes of every panel, times the spacing, (n, 2) each
     slopes: tuple[Array, ...]
     # amplitudes of both kinds of every pole on every panel, (p, 2) each
@@ -148,10 +149,8 @@ class Density:
     @cached_property
     def smallest_singular_value(self) -> float:
         """Smallest singular value; well below 0.1 the equations do not determine the densities."""
-        if not self.parts:
-            return 1.0
         if self.factor is None:
-            return 0.0
+            return 0.0 if self.parts else 1.0
         vector = np.random.default_rng(0).standard_normal(self.unknowns)
         for _ in range(12):  # the smallest singular value is then known to a tenth
             vector = _solved(self.factor, vector / np.linalg.norm(vector))
@@ -219,9 +218,18 @@ class Density:
         return np.asarray(scale * slope)
 
     def z(self, stretch: Stretch, points: Points) -> Values:
-        """Return z(k), (m, 2), at points k = -v off the zones, on a stretch without zone edges."""
-        from_nodes = [self._from(stretch, points, part) for part in self.parts]
-        sums = _cauchy(np.concatenate(from_nodes, axis=1), points.v.imag, self.masses)
+        """Return z(k), (m, 2), at points k = -v of increasing x, on a stretch off the zones."""
+        # Real parts of the nodes less points, from the nearer end, or the only one.
+        real, start = np.empty((len(points.v), len(self.masses))), 0
+        near = len(real) if stretch.right is None else int(np.searchsorted(points.x.real, 0.0))
+        for part in self.parts:
+            cells = real[:, start : start + part.panel.count]
+            from_left, to_right = points.from_left[:near, None], points.to_right[near:, None]
+            np.subtract(_nodes_from(part.panel, stretch.left), from_left.real, out=cells[:near])
+            if stretch.right is not None:
+                np.add(_nodes_from(part.panel, stretch.right), to_right.real, out=cells[near:])
+            start += part.panel.count
+        sums = _cauchy(real, points.v.imag, self.masses)
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
     def above(self, place: float, offset: Complex) -> Values:
@@ -234,20 +242,6 @@ class Density:
             total = total + part.panel.above(masses, place, offset)
             start += part.panel.count
         return np.asarray(self.constant - k[:, None] * total)
-
-    def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Array:
-        """Return real parts of the nodes of a panel less points, (m, n), from the nearer end."""
-        panel = part.panel
-        # Without a right end all points are counted from the left one.
-        near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
-        result = np.empty((len(points.v), panel.count))
-        for near, end, distance in (
-            (near_left, stretch.left, points.from_left),
-            (~near_left, stretch.right, -points.to_right),
-        ):
-            if end is not None and near.any():
-                result[near] = _nodes_from(panel, end) - distance[near, None].real
-        return result
 
     def tractions(self, stretch: Stretch, points: Points) -> Values:
         """Return T_tau and T_sigma at k = -v, (m, 2), off the zones; T = Psi z = C^(-1) R z."""
@@ -263,7 +257,7 @@ class Density:
 def _cauchy(real: Array, imag: Array, masses: Array) -> Values:
     """Return the sums (m, 2) of masses (n, 2) over real (m, n) - i imag (m,)."""
     if not imag.any():
-        return np.asarray((1 / real) @ masses)
+        return np.asarray(np.reciprocal(real, out=real) @ masses)
     # real arithmetic takes half the time of complex division
     over = np.square(real)
     over += np.square(imag)[:, None] + 1e-300  # nothing is that close but what does not count
@@ -292,7 +286,7 @@ def density_of(
     """Solve the equations on given zones, by the factor of zones that are near them if given."""
     parts = tuple(_on_panel(interface, glued, p) for p in panels_of(interface, zones, rule))
     if not parts:
-        return Density(interface, glued, (), rule, (), (), (), None, 0.0)
+        return Density(interface, glued, (), rule, (), np.zeros(0), (), (), None, 0.0)
     constant = glued.constant(interface.load_shear, interface.load_pressure)
     closing = [_closing(parts, i) for i, zone in enumerate(zones) if zone.open and zone.right]
     # More rows than unknowns: nodes and points between them, and one row for each gap that closes.
@@ -303,8 +297,8 @@ def density_of(
     for part, block, of_part in zip(parts, blocks, values, strict=False):
         of_part[:] = _equations(part, parts, constant, block)
     blocks[-1][:] = np.reshape(closing, blocks[-1].shape)
-    alike = near is not None and near.unknowns == matrix.shape[1]
-    solution, factor = _least_squares(matrix, right, near.factor if near and alike else None)
+    alike = near if near is not None and near.unknowns == matrix.shape[1] else None
+    solution, factor = _least_squares(matrix, right, alike)
     residual = float(np.abs(matrix @ solution - right).max() / (np.abs(right).max() or 1.0))
     slopes, amplitudes, start = [], [], 0
     for part in parts:
@@ -315,7 +309,7 @@ def density_of(
         slopes.append(slope)
         amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
         start += part.unknowns
-    zones, densities = tuple(zones), (tuple(slopes), tuple(amplitudes))
+    zones, densities = tuple(zones), (solution, tuple(slopes), tuple(amplitudes))
     return Density(interface, glued, zones, rule, parts, *densities, factor, residual)
 
 
@@ -367,8 +361,7 @@ def _equations(target: OnPanel, parts: Sequence[OnPanel], constant: Array, block
         kernel = panel.own_kernel() if own else panel.other_kernel(source.panel)
         for component in range(2 if source.panel.open else 1):
             cells = block[:, :, start : start + source.panel.count]
-            np.matmul(turned, source.sources[:, :, component].T, out=cells)
-            cells *= kernel
+            np.multiply(turned @ source.sources[:, :, component].T, kernel, out=cells)
             if own:
                 cells[:, diagonal, diagonal] -= real[:, :count, component]
                 # Between the nodes the unknown is the sinc series, at the nodes it is itself.
@@ -383,16 +376,16 @@ def _equations(target: OnPanel, parts: Sequence[OnPanel], constant: Array, block
     return np.asarray(-(turned @ constant) / panel.points.v).ravel()
 
 
-def _least_squares(matrix: Array, right: Array, factor: Array | None) -> tuple[Array, Array | None]:
+def _least_squares(matrix: Array, right: Array, near: Density | None) -> tuple[Array, Array | None]:
     """Return the least-squares solution and the factor of its normal equations.
 
-    The factor of a matrix that is near serves for its own where corrections by it shrink fast.
+    Those of zones that are near serve where corrections by their factor shrink fast.
     """
     from scipy.linalg import blas, cho_factor  # here, for a quick import
 
-    if factor is not None:
-        solution = np.zeros(len(factor))
-        for _ in range(5):  # three are usual: edges move by 1e-5 and less on one rule
+    if near is not None and near.factor is not None:
+        solution, factor = near.solution.copy(), near.factor
+        for _ in range(5):  # two or three are usual: edges move by 1e-5 and less on one rule
             rest = _solved(factor, (right - matrix @ solution) @ matrix)
             solution += rest
             if np.abs(rest).max() <= 1e-12 * np.abs(solution).max():
