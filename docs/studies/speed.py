@@ -136,7 +136,7 @@ SWEEPS: Mapping[str, str] = {
     "preloaded": "Newton's method 22 %, chord steps 14 %",
 }
 """Scenes that are swept, and where their time goes."""
-PAIRS = "equations 43 %, tractions off the zones 36 %"
+PAIRS = "equations 54 %, tractions off the zones 27 %"
 MOVES = "cells of the field 38 to 70 %"
 JOBS: Mapping[str, Job] = {
     **{

@@ -67,8 +67,12 @@ class Glued:
         flat, apart = 2 * residues.reshape(-1, 4), self.nodes.real + z[:, None]
         # Both denominators together are real where z is, which halves the time, and nothing in
         # their product cancels, for |Im z_j| < Re z_j.
-        over = 1 / (np.square(apart) + np.square(self.nodes.imag))
-        total = (over * apart) @ flat.real + over @ (flat.imag * self.nodes.imag[:, None])
+        over = np.square(apart)
+        over += np.square(self.nodes.imag)
+        np.reciprocal(over, out=over)
+        total = over @ (flat.imag * self.nodes.imag[:, None])
+        over *= apart
+        total += over @ flat.real
         return np.asarray(np.eye(2) + total.reshape(-1, 2, 2))
 
     @cached_property

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -110,23 +110,33 @@ def _rules() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Intervals start + i length ... start + (i + 1) length in x on a stretch."""
+    """Intervals start + i length ... start + (i + 1) length in s on a stretch.
+
+    With a bend x = bend sinh(s / bend), so that they grow with |x|, and without one x = s.
+    """
 
     stretch: Stretch
     start: float
     length: float
     count: int
+    bend: float | None = None
 
-    @property
+    @cached_property
     def x(self) -> Array:
         """Chebyshev points of all intervals, (count, POINTS)."""
         centres = self.start + self.length * (np.arange(self.count) + 0.5)
-        return np.asarray(centres[:, None] + self.length / 2 * _rules()[0])
+        s = np.asarray(centres[:, None] + self.length / 2 * _rules()[0])
+        return np.asarray(self.bend * np.sinh(s / self.bend)) if self.bend else s
 
-    @property
+    @cached_property
     def points(self) -> Points:
         """Points on the stretch of all Chebyshev points, in a row."""
         return self.stretch.at(self.x.ravel())
+
+    def shares(self, x: Array) -> Array:
+        """Return coordinates x (n,) as numbers of intervals from the start, within them all."""
+        s = self.bend * np.arcsinh(x / self.bend) if self.bend else x
+        return np.clip((s - self.start) / self.length, 0.0, self.count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,12 +148,16 @@ class Series:
 
     def at(self, x: Array) -> Array:
         """Return the functions at coordinates x (n,), (f, n)."""
-        where = self.intervals
-        inside = np.clip(x, where.start, where.start + where.count * where.length)
-        share = (inside - where.start) / where.length
-        index = np.clip(share.astype(int), 0, where.count - 1)
+        share = self.intervals.shares(x)
+        index = np.minimum(share.astype(int), self.intervals.count - 1)
         terms = chebyshev.chebvander(2 * (share - index) - 1, self.coefficients.shape[2] - 1)
         return np.einsum("fnm,nm->fn", self.coefficients[:, index], terms)
+
+    @cached_property
+    def values(self) -> Array:
+        """The functions at the points of the intervals, (f, count POINTS)."""
+        terms = chebyshev.chebvander(_rules()[0], self.coefficients.shape[2] - 1)
+        return np.asarray(self.coefficients @ terms.T).reshape(len(self.coefficients), -1)
 
     @property
     def ends(self) -> tuple[Array, Array]:

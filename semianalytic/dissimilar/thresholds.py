@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from semianalytic.dissimilar.compliance import Compliance, Entries
@@ -23,6 +25,7 @@ def generalised_rayleigh_speed(compliance: Compliance) -> float | None:
     return _slow_zero(compliance, contact_phase(compliance, 0.0).zeros)
 
 
+@lru_cache(maxsize=64)
 def stoneley_speed(compliance: Compliance) -> float | None:
     """Return the speed of the wave along a bonded interface, A B + k^2 D^2 = 0, or None."""
     return _slow_zero(compliance, bonded_phase(compliance).zeros)

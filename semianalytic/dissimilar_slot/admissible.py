@@ -6,6 +6,7 @@ Where the contact is open, the gap is not negative.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -42,52 +43,42 @@ def largest_breach(profile: PairProfile, slowest: float) -> float:
 
     Points of a larger slowness than `slowest` are left out.
     """
-    breaches = [np.zeros(1)]
-    for part in profile.parts:
-        points = _points(profile, part, slowest)
-        breaches += [breach for _, breach, _ in _breaches(profile, part, *points)]
-    return max(float(breach.max()) for breach in breaches)
+    return max(float(breach.max(initial=0.0)) for *_, breach, _ in _breaches(profile, slowest))
 
 
 def violations(profile: PairProfile, tolerance: float, slowest: float) -> list[BrokenLaw]:
     """Return the intervals where the law fails by more than a tolerance, as in `largest_breach`."""
     found: list[BrokenLaw] = []
-    for part in profile.parts:
-        v, values = _points(profile, part, slowest)
-        for kind, breach, sense in _breaches(profile, part, v, values):
-            found += _intervals(part, v, breach > tolerance, (kind, sense))
+    for part, v, kind, breach, sense in _breaches(profile, slowest):
+        found += _intervals(part, v, breach > tolerance, (kind, sense))
     return _merged(found)
 
 
-def _points(profile: PairProfile, part: ProfilePart, slowest: float) -> tuple[Array, Array]:
-    """Return the slownesses of the sampled points of a part, and the functions there."""
-    intervals = part.series.intervals
-    points = intervals.points
-    used = points.v < slowest
-    return points.v[used], part.at(points.x[used], points.v[used])
-
-
 def _breaches(
-    profile: PairProfile, part: ProfilePart, v: Array, values: Array
-) -> list[tuple[Kind, Array, Array]]:
-    """Return conditions on a part: kind, violation over its scale (> 0 where it fails), sense."""
+    profile: PairProfile, slowest: float
+) -> Iterator[tuple[ProfilePart, Array, Kind, Array, Array]]:
+    """Yield conditions: part, slownesses of its points, kind, violation over its scale (> 0 where
+    the law fails), sense."""
     interface, zones = profile.density.interface, profile.density.zones
-    shear = interface.base_shear + values[SHEAR]
-    pressure = interface.base_pressure - values[NORMAL]
-    frictional = interface.friction * pressure
-    # With f P_b in it the scale cannot vanish where both tractions do.
-    scale = np.abs(shear) + np.abs(frictional) + interface.friction * interface.base_pressure
-    if part.zone < 0:  # friction is 0 in tension, so that slip is the first failure
-        return [("excess", (np.abs(shear) - np.maximum(frictional, 0.0)) / scale, np.sign(shear))]
-    zone = zones[part.zone]
-    if zone.open:
-        return [("overlap", -values[GAP] / v / profile.largest_gap, shear)]
-    against = -zone.sense * values[RATE] / profile.largest_rate
-    pull = -pressure / (np.abs(values[NORMAL]) + interface.base_pressure)
-    return [
-        ("reversed", against, np.sign(values[RATE])),
-        ("pull", pull, np.full(v.shape, zone.sense)),
-    ]
+    for part in profile.parts:
+        every = part.series.intervals.points.v
+        v, values = every[every < slowest], part.values[:, every < slowest]
+        shear = interface.base_shear + values[SHEAR]
+        pressure = interface.base_pressure - values[NORMAL]
+        frictional = interface.friction * pressure
+        # With f P_b in it the scale cannot vanish where both tractions do.
+        scale = np.abs(shear) + np.abs(frictional) + interface.friction * interface.base_pressure
+        if part.zone < 0:  # friction is 0 in tension, so that slip is the first failure
+            excess = (np.abs(shear) - np.maximum(frictional, 0.0)) / scale
+            yield part, v, "excess", excess, np.sign(shear)
+        elif zones[part.zone].open:
+            yield part, v, "overlap", -values[GAP] / v / profile.largest_gap, shear
+        else:
+            sense = zones[part.zone].sense
+            against = -sense * values[RATE] / profile.largest_rate
+            yield part, v, "reversed", against, np.sign(values[RATE])
+            pull = -pressure / (np.abs(values[NORMAL]) + interface.base_pressure)
+            yield part, v, "pull", pull, np.full(v.shape, sense)
 
 
 def _intervals(

@@ -90,8 +90,8 @@ class BodyFace(Source):
 
     @property
     def is_coarse(self) -> bool:
-        parts = self.density.parts
-        return bool(parts) and tolerance_of(parts[0].panel.spacing) > tuning.COARSE_FROM
+        density = self.density
+        return bool(density.parts) and tolerance_of(density.rule.spacing) > tuning.COARSE_FROM
 
     def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
         place = float(self.places[owner]) if owner >= 0 else 0.0
@@ -192,7 +192,7 @@ class PairBodies:
         far = density.interface.compliance.last * np.geomspace(0.01, 1e4, 7)
         cells = tuning.CELL_ERROR + 5.0 * density.glued.error(far)
         if density.parts:
-            tolerance = tolerance_of(density.parts[0].panel.spacing)
+            tolerance = tolerance_of(density.rule.spacing)
             rule = rule_for(tuning.COARSER * tolerance)
             given = density.interface, density.glued, density.zones
             coarse = replace(self, density=density_of(*given, rule))

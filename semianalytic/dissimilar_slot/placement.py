@@ -4,13 +4,6 @@
 - Where slip heals, the slip rate is 0.
 - Where slip turns to opening, sigma equals P_b, so that the contact pressure is 0.
 - Where an opening closes, the gap is 0.
-
-Im T / (pi v) is the slope of tractions on the cut k = -v + i0.  T is analytic above it, so that
-
-    tau(u) = (1/pi) Im int T_tau dv / v
-
-may be taken along half circles from edge to edge, v in the lower half-plane.  Neither wave fronts
-nor hidden zeros next to the cut come near them: few points give all digits.
 """
 
 from __future__ import annotations
@@ -21,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
-from semianalytic.dissimilar.stretch import Stretch
 from semianalytic.dissimilar_slot.densities.density import Density, density_of
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import PanelRule, rule_for
@@ -37,8 +29,6 @@ from semianalytic.halfplane.rules import sinc_step
 from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones.edges import broyden
 
-_SPACING = 0.36
-"""Spacing of x along a half circle, pi / 2 from singularities: exp(-pi^2 / 0.36) = 1e-12."""
 _NUDGE = 1e-6
 """Change of an unknown for its column of the Jacobian."""
 _HARMLESS = 0.05
@@ -47,55 +37,13 @@ _COMPARED = np.linspace(-6.0, 6.0, 25)
 """Coordinates x of a panel at which rates are compared: between them they differ no more."""
 
 
-def traction_change(
-    density: Density, start: float, stop: float, exponents: tuple[float, float]
-) -> Array:
-    """Return changes (2,) of tau and sigma between slownesses, T ~ d^e at both ends, or e = 0."""
-    stretch = Stretch(start, stop)
-    # The integrand falls to e^-30; no admissible edge has an exponent near -1.
-    before, after = (30.0 / max(1 + min(e, 0.0), 0.05) for e in exponents)
-    # Im x = -pi / 2 is the half circle from start to stop in Im v < 0.
-    x = np.arange(-before - stretch.lead, after + _SPACING, _SPACING) - 0.5j * np.pi
-    points = stretch.at(x)
-    values = density.tractions(stretch, points) / points.v[:, None]
-    slope = np.asarray(stretch.slope(points))[:, None]
-    return np.asarray((values * slope).sum(axis=0).imag * (_SPACING / np.pi))
-
-
-@dataclass(frozen=True)
-class EdgeTractions:
-    """tau and sigma (e, 2) beyond the base at the edges (e,) of zones."""
-
-    edges: Array
-    values: Array
-
-    def at(self, edge: float) -> Array:
-        """Return tau and sigma at an edge, (2,)."""
-        return np.asarray(self.values[int(np.argmin(np.abs(self.edges - edge)))])
-
-
-def edge_tractions(density: Density) -> EdgeTractions:
-    """Return the tractions at all edges, integrated from those of the base ahead of all waves."""
-    exponents, edges = density.exponents, edges_of(density.zones)
-    # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
-    start, exponent, total, values = density.interface.compliance.first / 2, 0.0, np.zeros(2), []
-    for edge in edges:
-        total = total + traction_change(density, start, edge, (exponent, exponents[edge]))
-        values.append(total)
-        start, exponent = edge, exponents[edge]
-    return EdgeTractions(np.array(edges), np.array(values).reshape(-1, 2))
-
-
-def mismatch(density: Density, reached: EdgeTractions | None = None) -> Array:
-    """Return the residual of the condition at each edge, (e,), in the order of `edges_of`.
-
-    The tractions at the edges are formed unless they are given.
-    """
-    interface, reached = density.interface, reached or edge_tractions(density)
+def mismatch(density: Density) -> Array:
+    """Return the residual of the condition at each edge, (e,), in the order of `edges_of`."""
+    interface = density.interface
     left_by: dict[float, float] = {}
     slip = 0.0
     for index, (before, zone, after) in enumerate(neighbours(density.zones)):
-        tau, sigma = reached.at(zone.left)
+        tau, sigma = density.at_edges[zone.left]
         # The sides of an opening move along one another too: V goes on through joined zones.
         slip = density.change(index)[0] + (0.0 if before is None else slip)
         if zone.open:
@@ -174,15 +122,13 @@ def place(
             renew = True
             continue
         move *= min(1.0, 1.2 / largest)
-        trial = at(unknowns + move)
-        left = mismatch(trial)
-        for _ in range(5):
-            # Natural monotonicity: the next step, with the present Jacobian, must not be longer.
-            if np.abs(inverse @ left).max() <= max(largest, _HARMLESS):
-                break
-            move = move / 2
+        for halvings in range(6):
             trial = at(unknowns + move)
             left = mismatch(trial)
+            # Natural monotonicity: the next step, with the present Jacobian, must not be longer.
+            if halvings == 5 or np.abs(inverse @ left).max() <= max(largest, _HARMLESS):
+                break
+            move = move / 2
         inverse = broyden(inverse, move, left - values)
         renew, before = largest > _HARMLESS, largest
         unknowns, density, values = unknowns + move, trial, left
@@ -229,13 +175,11 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
         return error
     error += 4.0 * tolerance  # values up to 3 at points between those compared
     # One Newton step from the coarse mismatch shows where the coarse rule would put the edges.
-    finer, other = edge_tractions(fine), edge_tractions(coarse)
-    move = -placement.inverse @ (mismatch(coarse, other) - mismatch(fine, finer))
+    move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
     slowest = fine.interface.compliance.last
     shifts = np.abs(shifted / edges - 1) * np.maximum(1.0, slowest / edges)
-    left = placement.move * np.ones(1)
     rates, others = _rates(fine), _rates(coarse)
     scale = np.abs(rates).max(axis=0)
     of_rates = np.abs(rates - others) / np.where(scale > 0, scale, 1.0)
@@ -246,9 +190,10 @@ def numerical_error(placement: PlacedZones, tolerance: float) -> float:
     of_film = loads.resistance * np.abs(rates - others)[:, 0] / np.where(film > 0, film, 1.0)
     # Differences of tau and sigma at edges, over themselves plus f P_b or P_b.
     held = np.array([loads.friction * loads.base_pressure, loads.base_pressure])
-    at_edges = np.abs(finer.values - other.values) / (np.abs(finer.values) + held)
-    changes = [shifts, left, of_rates, of_film, at_edges]
-    return error + 2.0 * max(float(change.max()) for change in changes)
+    finer, other = (np.array([*both.at_edges.values()]) for both in (fine, coarse))
+    at_edges = np.abs(finer - other) / (np.abs(finer) + held)
+    changes = [shifts, of_rates, of_film, at_edges]
+    return error + 2.0 * max(placement.move, *(float(change.max()) for change in changes))
 
 
 def _rates(density: Density) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -26,7 +26,6 @@ from semianalytic.scene.arrays import Array
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.loading import Tractions
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivatives.derivative import Derivative
 from semianalytic.selfsimilar.derivatives.parameters import PARAMETERS
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
@@ -264,22 +263,31 @@ class Trials:
         # Derivatives are taken where they are finite; the misfit itself is that at the times of the
         # records.
         t = samples.clear(solution, setup)
-        columns = []
+
+        @cache  # friction and a pressure that is strength share one derivative
+        def exact(parameter: str) -> Array:
+            return samples.exact(solution.derivative(parameter), setup, t)
+
+        rows = np.zeros((self.rows, len(scaled)))
         for number, name in enumerate(self.unknowns.names):
-            column = self._column(name, scene, solution, setup, t)
+            column = self._column(name, scene, solution, setup, t, exact)
             if not name.startswith("gain"):
                 column = samples.gain(setup) * column
-            rows = np.zeros(self.rows)
-            rows[: len(t)] = column / samples.noise
-            for row, (which, prior, value) in enumerate(self._known_before(scaled)):
-                if which == number:
-                    rows[len(t) + row] = prior.misfit(value)[1]
-            # d/d(scaled) = size d/d(value).
-            columns.append(rows * self.sizes[number])
+            rows[: len(t), number] = column / samples.noise
+        for row, (which, prior, value) in enumerate(self._known_before(scaled), len(t)):
+            rows[row, which] = prior.misfit(value)[1]
         self._look(self.of_jacobian)
-        return np.stack(columns, axis=1)
+        return rows * self.sizes  # d/d(scaled) = size d/d(value)
 
-    def _column(self, name: str, scene: Scene, solution: Solution, setup: Setup, t: Array) -> Array:
+    def _column(
+        self,
+        name: str,
+        scene: Scene,
+        solution: Solution,
+        setup: Setup,
+        t: Array,
+        exact: Callable[[str], Array],
+    ) -> Array:
         """Return derivatives (n,) of the samples without gain; those for gains include it."""
         samples = self.samples
         if name == "t0":
@@ -313,7 +321,7 @@ class Trials:
                 )
                 factor = scene.coefficient if name == "base_pressure" else now
                 other, share = "friction", factor / held  # it was solved under another pressure
-            column = share * samples.exact(_derivative(solution, other), setup, t)
+            column = share * exact(other)
         if lacking.any():
             recorded = partial(samples.of, setup=setup, t=t)
             column[lacking] = self.difference(name, solution, setup, recorded)[lacking]
@@ -415,9 +423,3 @@ class Trials:
             apart = self.samples.gain(setup) * (there - here) / self.samples.noise
             error[: len(apart)] = FINER_SAFETY * apart
         return error
-
-
-@lru_cache(maxsize=2)
-def _derivative(solution: Solution, name: str) -> Derivative:
-    """Return a derivative, which friction and a pressure that is strength share."""
-    return solution.derivative(name)

@@ -12,6 +12,13 @@ compliance, and tractions keep to the law of friction where
 
 with g = (1, s f) C^(-1) where the interface slips or is open (tau + s f sigma does not change), and
 g = (0, 1) C^(-1) besides where it is open (nor does sigma); a viscous film adds eta to Re g for V'.
+
+Im T / (pi v) is the slope of tractions on the cut k = -v + i0.  T is analytic above it, so that
+
+    tau(u) = (1/pi) Im int T_tau dv / v
+
+may be taken along half circles from edge to edge, v in the lower half-plane.  Neither wave fronts
+nor hidden zeros next to the cut come near them: few points give all digits.
 """
 
 from __future__ import annotations
@@ -34,11 +41,8 @@ from semianalytic.dissimilar_slot.densities.panels import (
     panels_of,
 )
 from semianalytic.dissimilar_slot.densities.poles import Pole, poles_on
-from semianalytic.dissimilar_slot.densities.zones import MovingZone, neighbours
+from semianalytic.dissimilar_slot.densities.zones import MovingZone, edges_of, neighbours
 from semianalytic.scene.arrays import Array
-
-Factor = tuple[Array, bool] | None
-"""Cholesky factor of normal equations, as scipy gives it; None if they are singular."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,7 @@ class OnPanel:
     """Quantities in the equations on one panel, at its nodes and half-way between them."""
 
     panel: Panel
-    rows: Complex  # the vectors g, one where it slips and two where it is open, (r, m, 2)
+    rows: Complex  # vectors g with eta, one where it slips and two where it is open, (r, m, 2)
     turned: Array  # Im g R(-v), (r, m, 2)
     sources: Array  # Psi^T / n_inf at the nodes, (n, 2, 2)
     entries: Entries
@@ -66,12 +70,16 @@ class Density:
     interface: LoadedBodies
     glued: Glued
     zones: tuple[MovingZone, ...]
+    rule: PanelRule
     parts: tuple[OnPanel, ...]
+    solution: Array  # phi and amplitudes of all panels
     # dV/dx and dU/dx at the nodes of every panel, times the spacing, (n, 2) each
     slopes: tuple[Array, ...]
     # amplitudes of both kinds of every pole on every panel, (p, 2) each
     amplitudes: tuple[Array, ...]
-    factor: Factor  # factor of the normal equations, or of those of zones that are near
+    # upper Cholesky factor of the normal equations, or of those of zones that are near; None if
+    # they are singular
+    factor: Array | None
     residual: float  # largest residual over the largest right-hand side
 
     @cached_property
@@ -96,6 +104,39 @@ class Density:
                 result[zone.right] = right
         return result
 
+    @property
+    def digits(self) -> float:
+        """Natural logarithm of the inverse error of integrated tractions, below that of panels."""
+        return float(10.0 + np.pi**2 / self.rule.spacing)
+
+    @cached_property
+    def at_edges(self) -> dict[float, Array]:
+        """tau and sigma (2,) beyond the base at all zone edges."""
+        # Ahead of all waves tractions are those of the base, at whichever slowness one starts.
+        start, exponent, total = self.interface.compliance.first / 2, 0.0, np.zeros(2)
+        result: dict[float, Array] = {}
+        for edge in edges_of(self.zones):
+            ends = exponent, self.exponents[edge]
+            total = total + self._traction_change(Stretch(start, edge), ends)
+            start, exponent, result[edge] = edge, ends[1], total
+        return result
+
+    def _traction_change(self, stretch: Stretch, exponents: tuple[float, float]) -> Array:
+        """Return changes (2,) of tau and sigma on a stretch, T ~ d^e at both ends, or e = 0."""
+        spacing = np.pi**2 / self.digits  # for singularities pi / 2 from the half circle
+        # The integrand falls to e^-digits; no admissible edge has an exponent near -1.
+        before, after = (self.digits / max(1 + min(e, 0.0), 0.05) for e in exponents)
+        # Where it has fallen to e^-d the digits less d suffice, for which points may be further
+        # apart than those of this map by which x is evaluated.
+        bend, lead = 0.3 * max(before, after) + 2.0 * stretch.lead, stretch.lead
+        first, last = bend * np.arcsinh(np.array([-before - lead, after]) / bend)
+        steps = np.arange(first, last + spacing, spacing) / bend
+        # Im x = -pi / 2 is the half circle from left to right in Im v < 0.
+        points = stretch.at(bend * np.sinh(steps) - 0.5j * np.pi)
+        slope = np.asarray(stretch.slope(points)) / points.v * np.cosh(steps)
+        values = self.tractions(stretch, points) * slope[:, None]
+        return np.asarray(values.sum(axis=0).imag * (spacing / np.pi))
+
     @cached_property
     def masses(self) -> Array:
         """Psi^T q dv / n_inf at the nodes of all panels, (m, 2)."""
@@ -108,15 +149,11 @@ class Density:
     @cached_property
     def smallest_singular_value(self) -> float:
         """Smallest singular value; well below 0.1 the equations do not determine the densities."""
-        if not self.parts:
-            return 1.0
         if self.factor is None:
-            return 0.0
-        from scipy.linalg import cho_solve
-
+            return 0.0 if self.parts else 1.0
         vector = np.random.default_rng(0).standard_normal(self.unknowns)
         for _ in range(12):  # the smallest singular value is then known to a tenth
-            vector = cho_solve(self.factor, vector / np.linalg.norm(vector))
+            vector = _solved(self.factor, vector / np.linalg.norm(vector))
         # The iteration tends to the largest eigenvalue of (M^T M)^(-1), which is 1 / sigma^2.
         return float(np.linalg.norm(vector) ** -0.5)
 
@@ -171,7 +208,7 @@ class Density:
             kernel = panel.own_kernel() if part is on else panel.other_kernel(source)
             z += kernel[count:] @ (part.sources @ phi[:, :, None])[..., 0]
         v, scale = panel.points.v[count:], (panel.spacing * panel.jacobian)[count:]
-        z = z / panel.weight[count:, None] + self._of_poles(v)
+        z += self._of_poles(v)
         z = self.constant + v[:, None] * z
         inverse = on.entries.inverse[count:, 1]
         turned = (inverse.imag[:, None] @ on.rates[count:])[:, 0]
@@ -181,9 +218,18 @@ class Density:
         return np.asarray(scale * slope)
 
     def z(self, stretch: Stretch, points: Points) -> Values:
-        """Return z(k), (m, 2), at points k = -v off the zones, on a stretch without zone edges."""
-        from_nodes = [self._from(stretch, points, part) for part in self.parts]
-        sums = _cauchy(np.concatenate(from_nodes, axis=1), points.v.imag, self.masses)
+        """Return z(k), (m, 2), at points k = -v of increasing x, on a stretch off the zones."""
+        # Real parts of the nodes less points, from the nearer end, or the only one.
+        real, start = np.empty((len(points.v), len(self.masses))), 0
+        near = len(real) if stretch.right is None else int(np.searchsorted(points.x.real, 0.0))
+        for part in self.parts:
+            cells = real[:, start : start + part.panel.count]
+            from_left, to_right = points.from_left[:near, None], points.to_right[near:, None]
+            np.subtract(_nodes_from(part.panel, stretch.left), from_left.real, out=cells[:near])
+            if stretch.right is not None:
+                np.add(_nodes_from(part.panel, stretch.right), to_right.real, out=cells[near:])
+            start += part.panel.count
+        sums = _cauchy(real, points.v.imag, self.masses)
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
     def above(self, place: float, offset: Complex) -> Values:
@@ -196,20 +242,6 @@ class Density:
             total = total + part.panel.above(masses, place, offset)
             start += part.panel.count
         return np.asarray(self.constant - k[:, None] * total)
-
-    def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Array:
-        """Return real parts of the nodes of a panel less points, (m, n), from the nearer end."""
-        panel = part.panel
-        # Without a right end all points are counted from the left one.
-        near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
-        result = np.empty((len(points.v), panel.count))
-        for near, end, distance in (
-            (near_left, stretch.left, points.from_left),
-            (~near_left, stretch.right, -points.to_right),
-        ):
-            if end is not None and near.any():
-                result[near] = _nodes_from(panel, end) - distance[near, None].real
-        return result
 
     def tractions(self, stretch: Stretch, points: Points) -> Values:
         """Return T_tau and T_sigma at k = -v, (m, 2), off the zones; T = Psi z = C^(-1) R z."""
@@ -225,7 +257,7 @@ class Density:
 def _cauchy(real: Array, imag: Array, masses: Array) -> Values:
     """Return the sums (m, 2) of masses (n, 2) over real (m, n) - i imag (m,)."""
     if not imag.any():
-        return np.asarray((1 / real) @ masses)
+        return np.asarray(np.reciprocal(real, out=real) @ masses)
     # real arithmetic takes half the time of complex division
     over = np.square(real)
     over += np.square(imag)[:, None] + 1e-300  # nothing is that close but what does not count
@@ -254,15 +286,19 @@ def density_of(
     """Solve the equations on given zones, by the factor of zones that are near them if given."""
     parts = tuple(_on_panel(interface, glued, p) for p in panels_of(interface, zones, rule))
     if not parts:
-        return Density(interface, glued, (), (), (), (), None, 0.0)
+        return Density(interface, glued, (), rule, (), np.zeros(0), (), (), None, 0.0)
     constant = glued.constant(interface.load_shear, interface.load_pressure)
-    blocks = [_equations(interface, target, parts, constant) for target in parts]
     closing = [_closing(parts, i) for i, zone in enumerate(zones) if zone.open and zone.right]
-    matrix = np.concatenate([*(block for block, _ in blocks), *closing])
     # More rows than unknowns: nodes and points between them, and one row for each gap that closes.
-    right = np.concatenate([*(values for _, values in blocks), np.zeros(len(closing))])
-    alike = near is not None and near.unknowns == matrix.shape[1]
-    solution, factor = _least_squares(matrix, right, near.factor if near and alike else None)
+    stops = np.cumsum([part.rows[..., 0].size for part in parts])
+    matrix = np.empty((stops[-1] + len(closing), sum(part.unknowns for part in parts)))
+    right = np.zeros(len(matrix))
+    blocks, values = np.split(matrix, stops), np.split(right, stops)
+    for part, block, of_part in zip(parts, blocks, values, strict=False):
+        of_part[:] = _equations(part, parts, constant, block)
+    blocks[-1][:] = np.reshape(closing, blocks[-1].shape)
+    alike = near if near is not None and near.unknowns == matrix.shape[1] else None
+    solution, factor = _least_squares(matrix, right, alike)
     residual = float(np.abs(matrix @ solution - right).max() / (np.abs(right).max() or 1.0))
     slopes, amplitudes, start = [], [], 0
     for part in parts:
@@ -273,13 +309,12 @@ def density_of(
         slopes.append(slope)
         amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
         start += part.unknowns
-    return Density(
-        interface, glued, tuple(zones), parts, tuple(slopes), tuple(amplitudes), factor, residual
-    )
+    zones, densities = tuple(zones), (solution, tuple(slopes), tuple(amplitudes))
+    return Density(interface, glued, zones, rule, parts, *densities, factor, residual)
 
 
 def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
-    """Return the row, (1, n), of the condition that U is 0 where an opening closes."""
+    """Return the row, (n,), of the condition that U is 0 where an opening closes."""
     cells = []
     for part in parts:
         panel, here = part.panel, part.panel.zone == zone
@@ -289,7 +324,7 @@ def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
             cells[-1][panel.count :] = scale
         for pole in part.poles:
             cells.append(pole.change(np.array([pole.right]))[0, 1] if here else np.zeros(2))
-    return np.concatenate(cells)[None]
+    return np.concatenate(cells)
 
 
 def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
@@ -299,6 +334,8 @@ def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
     rows = [inverse[:, 0] + friction * inverse[:, 1]]
     if panel.open:
         rows.append(inverse[:, 1])
+    else:  # a film resists slip alone
+        rows[0][:, 0] += interface.resistance
     turned = [(row.imag[:, None] @ rates)[:, 0] for row in rows]
     sources = np.swapaxes(glued.psi(v[: panel.count]), -1, -2) / glued.limit
     poles: list[Pole] = []
@@ -309,61 +346,61 @@ def _on_panel(interface: LoadedBodies, glued: Glued, panel: Panel) -> OnPanel:
     return OnPanel(panel, np.array(rows), np.array(turned), sources, entries, rates, tuple(poles))
 
 
-def _equations(
-    interface: LoadedBodies, target: OnPanel, parts: Sequence[OnPanel], constant: Array
-) -> tuple[Array, Array]:
-    """Return rows at the points of a panel over |g| times omega, and right-hand sides."""
+def _equations(target: OnPanel, parts: Sequence[OnPanel], constant: Array, block: Array) -> Array:
+    """Fill in the rows (r m, n) of a panel times omega over |g|; return right-hand sides."""
     panel, count = target.panel, target.panel.count
-    film = 0.0 if panel.open else interface.resistance
-    columns: list[list[Array]] = [[] for _ in target.rows]
+    block = block.reshape(*target.rows.shape[:2], -1)
+    # Rows of one size: g vanishes or grows at some fronts, and these points would count for too
+    # little or too much.
+    size = np.abs(target.rows[..., : 2 if panel.open else 1]).max(axis=2)
+    scale = (panel.weight / size)[..., None]
+    turned, real = target.turned / np.pi * scale, target.rows.real / size[..., None]
+    start, diagonal = 0, np.arange(count)
     for source in parts:
         own = source is target
         kernel = panel.own_kernel() if own else panel.other_kernel(source.panel)
         for component in range(2 if source.panel.open else 1):
-            for index, (row, turned) in enumerate(zip(target.rows, target.turned, strict=True)):
-                block = kernel * (turned @ source.sources[:, :, component].T / np.pi)
-                if own:
-                    # A film resists slip alone, in the equation of shear alone.
-                    real = row.real[:, component] + (film if not (index or component) else 0.0)
-                    block[np.arange(count), np.arange(count)] -= real[:count]
-                    # Between the nodes the unknown is the sinc series, at the nodes it is itself.
-                    block[count:] -= real[count:, None] * between_nodes(count)
-                columns[index].append(block)
+            cells = block[:, :, start : start + source.panel.count]
+            np.multiply(turned @ source.sources[:, :, component].T, kernel, out=cells)
+            if own:
+                cells[:, diagonal, diagonal] -= real[:, :count, component]
+                # Between the nodes the unknown is the sinc series, at the nodes it is itself.
+                cells[:, count:] -= real[:, count:, None, component] * between_nodes(count)
+            start += source.panel.count
         for pole in source.poles:
-            transform = pole.transform(panel.points.v)
-            own_values = pole.values(panel.points.v) if own else np.zeros_like(transform)
-            for index, (row, turned) in enumerate(zip(target.rows, target.turned, strict=True)):
-                block = (turned[:, None] @ transform / np.pi - row.real[:, None] @ own_values)[:, 0]
-                columns[index].append(block * panel.weight[:, None])
-    blocks, values = [], []
-    for row, turned, cells in zip(target.rows, target.turned, columns, strict=True):
-        # Rows of one size: g vanishes or grows at some fronts, and these points would count for too
-        # little or too much.
-        size = np.abs(row).max(axis=1) if panel.open else np.abs(row[:, 0] + film)
-        right = -(turned @ constant) / (np.pi * panel.points.v) * panel.weight
-        blocks.append(np.concatenate(cells, axis=1) / size[:, None])
-        values.append(right / size)
-    return np.concatenate(blocks), np.concatenate(values)
+            cells, v = block[:, :, start : start + 2], panel.points.v
+            np.einsum("rmi,mij->rmj", turned, pole.transform(v), out=cells)
+            if own:
+                cells -= np.einsum("rmi,mij->rmj", real * panel.weight[:, None], pole.values(v))
+            start += 2
+    return np.asarray(-(turned @ constant) / panel.points.v).ravel()
 
 
-def _least_squares(matrix: Array, right: Array, factor: Factor) -> tuple[Array, Factor]:
+def _least_squares(matrix: Array, right: Array, near: Density | None) -> tuple[Array, Array | None]:
     """Return the least-squares solution and the factor of its normal equations.
 
-    The factor of a matrix that is near serves for its own where corrections by it shrink fast.
+    Those of zones that are near serve where corrections by their factor shrink fast.
     """
-    from scipy.linalg import cho_factor, cho_solve  # here, for a quick import
+    from scipy.linalg import blas, cho_factor  # here, for a quick import
 
-    if factor is not None:
-        solution = np.zeros(len(factor[0]))
-        for _ in range(5):  # three are usual: edges move by 1e-5 and less on one rule
-            rest = cho_solve(factor, (right - matrix @ solution) @ matrix)
+    if near is not None and near.factor is not None:
+        solution, factor = near.solution.copy(), near.factor
+        for _ in range(5):  # two or three are usual: edges move by 1e-5 and less on one rule
+            rest = _solved(factor, (right - matrix @ solution) @ matrix)
             solution += rest
             if np.abs(rest).max() <= 1e-12 * np.abs(solution).max():
                 return solution, factor
     # No singular value is small where the zones have an answer: squares cost no digit.
     try:
-        factor = cho_factor(matrix.T @ matrix, overwrite_a=True)
+        factor = cho_factor(blas.dsyrk(1.0, matrix.T), overwrite_a=True)[0]
     except np.linalg.LinAlgError:
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0]), None
-    solution = cho_solve(factor, right @ matrix)
-    return np.asarray(solution + cho_solve(factor, (right - matrix @ solution) @ matrix)), factor
+    solution = _solved(factor, right @ matrix)
+    return np.asarray(solution + _solved(factor, (right - matrix @ solution) @ matrix)), factor
+
+
+def _solved(factor: Array, right: Array) -> Array:
+    """Return the solution of normal equations by their factor."""
+    from scipy.linalg.blas import dtrsv  # takes a third of the time of cho_solve
+
+    return np.asarray(dtrsv(factor, dtrsv(factor, right, trans=1)))

@@ -125,17 +125,15 @@ class Panel:
     def own_kernel(self) -> Array:
         """Return the weights of J(w) / (w - v) for densities phi of the panel itself, (2 n - 1, n).
 
-        The integral is a principal value at the nodes v and half-way between them; rows are
-        multiplied by omega.
+        The integral is a principal value at the nodes v and half-way between them.
         """
         kernel = _kernel(self.count, self.spacing, self.stretch.right is not None)
-        rows, columns = self.weight, 1 / self.weight[: self.count]
-        if self.stretch.right is not None:
-            cosh = np.cosh(self.x / 2)
-            # J(w) / (w - v) = cosh(x_v / 2) / (2 cosh(x_w / 2) sinh((x_w - x_v) / 2)) for the map
-            # of a bounded panel.
-            rows, columns = rows * cosh, columns / cosh[: self.count]
-        return np.asarray(kernel * rows[:, None] * columns)
+        if self.stretch.right is None:
+            return kernel / self.weight[: self.count]
+        cosh = np.cosh(self.x / 2)
+        # J(w) / (w - v) = cosh(x_v / 2) / (2 cosh(x_w / 2) sinh((x_w - x_v) / 2)) for the map of a
+        # bounded panel.
+        return kernel / (self.weight * cosh)[: self.count] * cosh[:, None]
 
     def above(self, masses: Values, place: float, offset: Complex) -> Values:
         """Return int J(w) / (w - v) dw at -v = place + offset on and above the axis, (m, f).
@@ -191,7 +189,7 @@ class Panel:
         nodes = slice(0, source.count)
         difference = source.stretch.minus(source.points, ends)[0][nodes] - target[:, None]
         strength = source.spacing * source.jacobian[nodes] / source.weight[nodes]
-        return np.asarray(self.weight[:, None] * strength / difference)
+        return np.asarray(np.divide(strength, difference, out=difference))
 
 
 @lru_cache(maxsize=64)
@@ -269,6 +267,7 @@ def panels_of(
     return tuple(panels)
 
 
+@lru_cache(maxsize=64)  # panels and the tractions at their edges ask for the same
 def edge_exponents(
     interface: LoadedBodies, before: MovingZone | None, zone: MovingZone, after: MovingZone | None
 ) -> tuple[float, float | None]:

@@ -23,15 +23,14 @@ from semianalytic.dissimilar.stretch import (
 )
 from semianalytic.dissimilar_slot.densities.density import Density, OnPanel
 from semianalytic.dissimilar_slot.densities.poles import Pole
-from semianalytic.dissimilar_slot.densities.zones import edges_of
 from semianalytic.halfplane.rules import sinc_step
 from semianalytic.scene.arrays import Array
 
 RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 """Functions of a profile: V, U, their integrals over slowness, tau and sigma beyond the base."""
 
-_LENGTH = 2.0
-"""Length in x of an interval on which the slopes of tractions are evaluated directly."""
+_LENGTH = 60.0
+"""Length in x, times digits, of an interval on which slopes of tractions are evaluated directly."""
 _LAST = 1e20
 """Slowness [1 / c_t] from which on rates are constant; the parts end soon behind it."""
 _STEPS = 3
@@ -56,7 +55,14 @@ class ProfilePart:
 
     def at(self, x: Array, v: Array) -> Array:
         """Return the functions at coordinates x (n,) of slownesses v, (6, n)."""
-        values = self.series.at(x)
+        return self._with_poles(self.series.at(x), v)
+
+    @property
+    def values(self) -> Array:
+        """The functions at the points of its intervals, (6, n)."""
+        return self._with_poles(self.series.values.copy(), self.series.intervals.points.v)
+
+    def _with_poles(self, values: Array, v: Array) -> Array:
         for pole, size in self.poles:
             values[[RATE, OPENING]] += (pole.change(v) @ size).T
             values[[SLIP, GAP]] += (pole.area(v) @ size).T
@@ -84,45 +90,49 @@ class PairProfile:
         state = np.zeros(6)
         starts = {p.panel.stretch.left: p for p in density.parts}
         slowness = density.interface.compliance.first
-        edges = edges_of(density.zones)
         while True:
             on = starts.get(slowness)
             if on is None or not on.panel.open:  # closed: what is left of a gap is rounding
                 state[[OPENING, GAP]] = 0.0
             if on is None:
                 state[RATE] = 0.0
-            part = self._stuck(slowness, edges, state) if on is None else self._moving(on, state)
+            part = self._stuck(slowness, state) if on is None else self._moving(on, state)
             result.append(part)
             state, stop = part.end, part.stretch.right
             if stop is None:
                 return tuple(result)
             slowness = stop
 
-    def _stuck(self, left: float, edges: list[float], state: Array) -> ProfilePart:
+    def _stuck(self, left: float, state: Array) -> ProfilePart:
         """Return the part that sticks from one slowness to the next front or edge."""
         density = self.density
         compliance = density.interface.compliance
         turns = density.interface.slip_phase(1).denominator.sharp_turns
         # Hidden zeros of the bonded interface lie next to the cut, and tractions change fast there.
-        ends = [v for v in (*compliance.distinct_fronts, *turns, *edges) if v > left]
+        ends = [v for v in (*compliance.distinct_fronts, *turns, *density.exponents) if v > left]
         stretch = Stretch(left, min(ends, default=None))
-        exponents = density.exponents
+        digits, exponents = density.digits, density.exponents
 
         def reach(end: float) -> float:
-            # At a front of both bodies slopes are like d^(-1/2); the integrand falls to e^-28.
-            return 28.0 / (1 + min(-0.5, exponents.get(end, 0.0)))
+            # At a front of both bodies slopes are like d^(-1/2); the integrand falls to e^-digits.
+            return digits / (1 + min(-0.5, exponents.get(end, 0.0)))
 
         before, after = stretch.lead + reach(left), 46.0  # x/t down to 1e-20 of the wave speeds
         if stretch.right is not None:
             after = reach(stretch.right)
-        intervals = Intervals(stretch, -before, _LENGTH, int(np.ceil((before + after) / _LENGTH)))
+        # As in `Density._traction_change` intervals may grow as the integrand falls.
+        bend, length = 0.2 * max(before, after) + stretch.lead, _LENGTH / digits
+        first, last = bend * np.arcsinh(np.array([-before, after]) / bend)
+        count = int(np.ceil((last - first) / length))
+        intervals = Intervals(stretch, first, length, count, bend)
         points = intervals.points
         tractions = density.tractions(stretch, points).imag
         # dT/dx = Im T(-v + i0) / (pi v) dv/dx: T is analytic above the cut.
-        slopes = tractions * np.asarray(stretch.slope(points) / (np.pi * points.v))[:, None]
-        slopes = slopes.reshape(intervals.count, -1, 2)
-        constant = [np.full((intervals.count, 1), value) for value in state[:SHEAR]]
-        moving = [integrated(slopes[..., k], _LENGTH, state[SHEAR + k]) for k in range(2)]
+        slope = np.asarray(stretch.slope(points)) * np.hypot(1.0, points.x / bend)
+        slopes = tractions * (slope / (np.pi * points.v))[:, None]
+        slopes = slopes.reshape(count, -1, 2)
+        constant = [np.full((count, 1), value) for value in state[:SHEAR]]
+        moving = [integrated(slopes[..., k], length, state[SHEAR + k]) for k in range(2)]
         return ProfilePart(Series(intervals, padded([*constant, *moving])), -1)
 
     def _moving(self, on: OnPanel, state: Array) -> ProfilePart:
@@ -181,35 +191,31 @@ class PairProfile:
         """Largest gap over time; 1 where nothing opens."""
         return self._largest(GAP)
 
+    @property
+    def _moving_parts(self) -> list[ProfilePart]:
+        """Parts on zones."""
+        return [part for part in self.parts if part.zone >= 0]
+
     def _largest(self, function: int) -> float:
         """Return the largest |V|, or the largest gap over time, at the points of all intervals."""
         largest = 0.0
-        for part in self.parts:
-            if part.zone >= 0:
-                points = part.series.intervals.points
-                values = np.abs(part.at(points.x, points.v)[function])
-                over = points.v if function == GAP else 1.0
-                largest = max(largest, float((values / over).max()))
+        for part in self._moving_parts:
+            over = part.series.intervals.points.v if function == GAP else 1.0
+            largest = max(largest, float((np.abs(part.values[function]) / over).max()))
         return largest or 1.0
 
     @cached_property
     def most_slip(self) -> float:
         """Largest |slip| over time."""
         largest = 0.0
-        for part in self.parts:
-            if part.zone >= 0:
-                x = part.series.intervals.points.x
-                best = int(np.argmax(self._slip_over_time(part, x)))
-                # The largest slip is then known to 1e-4 of their distance squared.
-                near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 101)
-                largest = max(largest, float(self._slip_over_time(part, near).max()))
+        for part in self._moving_parts:
+            points = part.series.intervals.points
+            x, best = points.x, int(np.argmax(np.abs(part.values[SLIP] / points.v)))
+            # The largest slip is then known to 1e-4 of their distance squared.
+            near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], 101)
+            v = part.stretch.at(near).v
+            largest = max(largest, float(np.abs(part.at(near, v)[SLIP] / v).max()))
         return largest
-
-    @staticmethod
-    def _slip_over_time(part: ProfilePart, x: Array) -> Array:
-        """Return |slip| over time at coordinates on a part."""
-        v = part.stretch.at(x).v
-        return np.abs(part.at(x, v)[SLIP] / v)
 
     @cached_property
     def slipped(self) -> float:
@@ -220,25 +226,23 @@ class PairProfile:
     def dissipated(self) -> float:
         """Integral of traction times V over x/t."""
         interface = self.density.interface
-        opened = [self.density.zones[part.zone].open for part in self.parts if part.zone >= 0]
         return sum(
             float(w @ ((interface.base_shear + f[SHEAR]) * f[RATE]))
-            for (f, w), is_open in zip(self._moving_points, opened, strict=True)
-            if not is_open
+            for (f, w), part in zip(self._moving_points, self._moving_parts, strict=True)
+            if not self.density.zones[part.zone].open
         )
 
     @cached_property
     def _moving_points(self) -> list[tuple[Array, Array]]:
         """Functions at points, and weights of integrals over x/t, for every moving part."""
         result = []
-        for part in self.parts:
-            if part.zone >= 0:
-                intervals = part.series.intervals
-                points = intervals.points
-                # d(x/t) = dv / v^2 turns integrals over slowness into integrals over velocity.
-                slope = np.asarray(part.stretch.slope(points)) / np.square(points.v)
-                weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
-                result.append((part.at(points.x, points.v), weights * slope))
+        for part in self._moving_parts:
+            intervals = part.series.intervals
+            points = intervals.points
+            # d(x/t) = dv / v^2 turns integrals over slowness into integrals over velocity.
+            slope = np.asarray(part.stretch.slope(points)) / np.square(points.v)
+            weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
+            result.append((part.values, weights * slope))
         return result
 
     def at(self, u: Array) -> Array:
