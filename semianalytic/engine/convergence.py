@@ -77,16 +77,16 @@ def order_seen(coarse: Tried, fine: Tried) -> float | None:
 def more_nodes(nodes: int, estimate: float, rtol: float, order: float | None, most: int) -> int:
     """Return how many nodes to try next, up to `most`, where an estimate is above `rtol`.
 
-    Until two marches are known, first order is assumed, that of slip rate at edges.
+    Until two marches are known, a usual order is assumed: with 1.0 a tenth of 64 scenes ends at an
+    estimate of less than a third of `rtol`, with 1.3 half as many, in the same time.
     """
     # Orders of 1.0 to 1.2 fall to 0.8 to 0.95 between 1,000 and 2,800 nodes, where fronts remain of
     # the error, and the share of the error in a difference with them (`safety`).
-    order = order or 1.0
+    order = order or 1.3
     slope = min(order, max(0.95, order - 0.4 * (1.35 - order)))
     # Error ~ nodes^-slope: the nodes that bring the estimate to rtol / 1.15.  With 1.3, and 1.3 as
     # the least growth, 64 scenes take 1.1 times as long.
     wanted = 1.15 * estimate / rtol * (2**order - 1) / (2**slope - 1)
     # The order is not known before the second march; one at a quarter of the nodes costs a
     # sixteenth.
-    growth = float(np.clip(wanted ** (1 / slope), 1.15, 4.0))
-    return min(most, math.ceil(growth * nodes))
+    return min(most, math.ceil(nodes * float(np.clip(wanted ** (1 / slope), 1.15, 4.0))))
