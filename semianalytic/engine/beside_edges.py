@@ -82,9 +82,11 @@ def hidden_force(marched: Any) -> float:
     held, load = scene.superposition
     left = held.pressure - load.pressure * scene.pressure_history.value(known.t)
     shear, slips = known.shear_traction, known.slip_rate[:, 0] != 0
-    force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips]
+    force = hidden_openings(known.pressure[:, 0], left, shear[:, 0], spacing, 0.0)[1][slips].sum()
+    if not force:  # arrays of all levels take as long as a seventh of the march
+        return 0.0
     driving = spacing * np.abs(shear - held.shear).sum()
-    return float(force.sum() / max(force.sum() + driving, SMALLEST))
+    return float(force / (force + driving))
 
 
 def film_share(marched: Any) -> float:

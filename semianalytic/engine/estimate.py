@@ -91,9 +91,10 @@ def estimated(
     order = None if coarser is None else order_seen(coarser, tried)
     # ends that lie elsewhere are known less well than zones on few nodes
     narrow = misplaced > 0.025 or any(len(nodes) < NARROW for nodes in zones)
+    of_slip = "narrow" if narrow else "wide"
     # `thinned` has every other node, or the mean of two.
     errors = {
-        name: safety(order, narrow if "slip" in name else None) * share
+        name: safety(order, of_slip if "slip" in name else "line") * share
         + (beside.wrong.get(name, 0.0) / 2 / sizes[name] if sizes[name] else 0)
         for name, share in shares.items()
     }
@@ -220,7 +221,7 @@ def _slot_error(marched: Any) -> float:
     if apart.slip_rate == 0:
         return math.inf if apart.difference or missed_zone(marched) is not None else 0.0
     # Both marches share the error of the memory's transform, which their difference does not show.
-    factor, companion = safety(known.order), marched.companion
+    factor, companion = safety(known.order, "slot"), marched.companion
     of_grids = factor * apart.share + MEMORY_SAFETY * known.layout.kernel.error
     # Errors are relative to the true slip rate, which is less than that of the march by about as
     # much, with the same factor, as the companion slips more.

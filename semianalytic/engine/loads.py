@@ -29,8 +29,6 @@ from semianalytic.scene.line.loads import Part
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
 
-SWEEPS = 2
-"""Iterations of a step, even: with 1 or 3 marches grow; 4 change slip rates by up to 4e-5."""
 TOLERANCES = (1e-11, 1e-2)
 """Range of the memory's tolerance: 1e-11 takes 45 poles; 1e-2 is coarser than the grid."""
 EXACT_KINKS = 4
@@ -246,7 +244,7 @@ class FreeFaces(ClosedLine):
         Rates of the contact, (k, contact) [length / time]; by default it stays closed.
     """
 
-    sweeps, follows_state = SWEEPS, False
+    follows_state = False
 
     def __init__(
         self,

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from semianalytic.engine.loads import SWEEPS, FrontPressure, GridPressure, front_of
+from semianalytic.engine.loads import FrontPressure, GridPressure, front_of
 from semianalytic.engine.nodes import ContactGrid, SlotLayout
 from semianalytic.engine.stepping.advance import CUT, Span, reached_at
 from semianalytic.engine.stepping.balance import Balance
@@ -42,7 +42,7 @@ class SlotLine(ClosedLine):
         Time from which the march goes on [time].
     """
 
-    sweeps, means_last, climbs, is_cut = SWEEPS, True, False, False
+    means_last, climbs, is_cut = True, False, False
     unilateral, settings = None, dict[str, float]()
     fields = "slip", "slip_rate", "shear_traction", "pressure", "gap"
 

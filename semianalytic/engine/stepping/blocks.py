@@ -111,12 +111,12 @@ class ClosedLine(Protocol):
     memory: LineMemory
     impedance: float
     speed: float
-    sweeps: int
     jumps: Sequence[float]
     kept: slice | NDArray[np.bool_] = slice(None)
     damping: float = 0.0
     means_last: bool = False
     plate_rate: float = 0.0
+    sweeps: int = 2
 
     def levels(self, ends: list[float], steps: list[float]) -> Iterator[Level]:
         """Yield the ends of steps of these lengths, which follow on those before [time]."""

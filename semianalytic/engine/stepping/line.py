@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib import import_module
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -138,9 +138,7 @@ class Grid:
             out = np.empty((1, len(values))) if out is None else out
             _cosines(values, out[0], 2 if self.between else 1)
             return out
-        from scipy.fft import rfft  # imported late, which keeps `import semianalytic` fast
-
-        lines = rfft(values)
+        lines = _transforms().r2c(values, (0,), True, 0)
         out = np.empty((2, len(lines))) if out is None else out
         out[0], out[1] = lines.real, lines.imag
         return out
@@ -151,9 +149,8 @@ class Grid:
             out = np.empty(amplitudes.shape[1]) if out is None else out
             _from_cosines(amplitudes[0], out, 2 if self.between else 1)
             return out
-        from scipy.fft import irfft
-
-        found = np.asarray(irfft(amplitudes[0] + 1j * amplitudes[1], n=self.nodes))
+        lines = amplitudes[0] + 1j * amplitudes[1]
+        found: Array = _transforms().c2r(lines, (0,), self.nodes, False, 2)
         if out is None:
             return found
         out[:] = found
@@ -166,41 +163,44 @@ def _cosines(values: Array, out: Array, kind: int = 2) -> None:
     The line is even about both of its ends, which lie half a spacing from the outermost nodes
     (kind 2) or on them (kind 1).
     """
-    _transform()(values, kind, (0,), 0, out)
+    _transforms().dct(values, kind, (0,), 0, out)
 
 
 def _from_cosines(amplitudes: Array, out: Array, kind: int = 2) -> None:
     """Write the values at the nodes (size,) that have these amplitudes to another array."""
     # the inverse of type 2 is type 3, and that of type 1 is itself
-    _transform()(amplitudes, 3 if kind == 2 else 1, (0,), 2, out)
+    _transforms().dct(amplitudes, 3 if kind == 2 else 1, (0,), 2, out)
 
 
 @cache
-def _transform() -> Callable[[Array, int, tuple[int], int, Array], object]:
-    """Return the cosine transform (values, type, axes, 2 to divide by 2 n or 0, out)."""
-    from scipy.fft import dct, idct  # here, for `import semianalytic` is to be quick
+def _transforms() -> Any:
+    """Return scipy's `dct` (values, type, axes, 2 to divide by 2 n or 0, out), `r2c` and `c2r`."""
+    from scipy.fft import dct, idct, irfft, rfft  # here, for `import semianalytic` is to be quick
 
-    # scipy.fft spends 12 microseconds around each call of the function below, twice what 500 nodes
-    # take.  That function is not public: where a version of scipy has it elsewhere or with other
-    # arguments, scipy.fft serves.
-    given, found = np.arange(4.0), np.empty((4, 4))
+    # scipy.fft spends 12 microseconds around each call of these, twice what 500 nodes take.  They
+    # are not public: where a version of scipy has others, or elsewhere, scipy.fft serves.
+    given, found, waves = np.arange(4.0), np.empty((5, 4)), np.zeros(3, complex)
     try:
-        direct = import_module("scipy.fft._pocketfft.pypocketfft").dct
-        for row, (kind, scaling) in zip(found, ((2, 0), (3, 2), (1, 0), (1, 2)), strict=True):
-            direct(given, kind, (0,), scaling, row)
+        direct = import_module("scipy.fft._pocketfft.pypocketfft")
+        for row, (kind, scaling) in zip(found, ((2, 0), (3, 2), (1, 0), (1, 2)), strict=False):
+            direct.dct(given, kind, (0,), scaling, row)
+        waves = direct.r2c(given, (0,), True, 0)
+        found[4] = direct.c2r(waves, (0,), 4, False, 2)
     except (ImportError, AttributeError, TypeError, ValueError, RuntimeError):
         found[:] = np.nan
-    known = [dct(given), idct(given), dct(given, type=1), idct(given, type=1)]
-    if np.allclose(found, known, rtol=1e-12):
+    known = [dct(given), idct(given), dct(given, type=1), idct(given, type=1), given]
+    if np.allclose(found, known, rtol=1e-12) and np.allclose(waves, rfft(given), rtol=1e-12):
         return direct
 
     def public(values: Array, kind: int, axes: tuple[int], scaling: int, out: Array) -> None:
-        if scaling:  # scipy names an inverse by the type that it inverts
-            out[:] = idct(values, type=1 if kind == 1 else 2)
-        else:
-            out[:] = dct(values, type=1 if kind == 1 else 2)
+        turned = idct if scaling else dct  # scipy names an inverse by the type that it inverts
+        out[:] = turned(values, type=1 if kind == 1 else 2)
 
-    return public
+    return SimpleNamespace(
+        dct=public,
+        r2c=lambda values, *_: rfft(values),
+        c2r=lambda lines, _, count, *__: irfft(lines, count),
+    )
 
 
 def memories(

@@ -34,7 +34,7 @@ def test_phi_functions_keep_all_digits(z):
 def test_transforms_and_their_inverses(even, between, private, monkeypatch):
     grid = Grid(3.0, 16, between, even)
     if not private:  # a version of scipy without the function behind scipy.fft
-        monkeypatch.setattr(line, "_transform", line._transform.__wrapped__)
+        monkeypatch.setattr(line, "_transforms", line._transforms.__wrapped__)
         monkeypatch.setattr(line, "import_module", lambda name: None)
     values = np.cos(2 * np.pi * grid.x / 3) + 0.3 + (0 if even else np.sin(4 * np.pi * grid.x / 3))
     assert np.allclose(grid.values(grid.amplitudes(values)), values, atol=1e-14)

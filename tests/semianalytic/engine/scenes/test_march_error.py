@@ -12,7 +12,7 @@ import semianalytic as sf
 from compare.comparison.documents import march_document
 from docs.studies.accuracy.march import WEAKENING, judged, rate_error
 from semianalytic.engine import plan as march_plan
-from semianalytic.engine.convergence import ERROR_SAFETY, MEMORY_SAFETY
+from semianalytic.engine.convergence import MEMORY_SAFETY, SAFETY, more_nodes, safety
 from semianalytic.engine.plan import MOST_NODES
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.memory.impedance import InPlane
@@ -93,7 +93,7 @@ def test_error_is_the_difference_from_the_companion():
     rate = marched.slip_rate(x, t[:, None])
     difference = np.abs(rate - coarse.slip_rate[:, : len(x)])
     share = np.trapezoid(difference.sum(axis=1), t) / np.trapezoid(np.abs(rate).sum(axis=1), t)
-    expected = ERROR_SAFETY * share + MEMORY_SAFETY * marched.checkpoint.layout.kernel.error
+    expected = SAFETY["slot"][0] * share + MEMORY_SAFETY * marched.checkpoint.layout.kernel.error
     assert marched.error_estimate == pytest.approx(expected, rel=0.02)
 
 
@@ -197,6 +197,20 @@ def test_march_within_an_rtol(name, rtol):
     if name != "pulse":
         fields = march(find_scene(name), end_time=1.0, nodes=marched.nodes)
         assert rate_error(fields, sf.solve(find_scene(name))) <= rtol
+
+
+@pytest.mark.parametrize("order", [0.7, 1.0, 1.1, 1.35, 1.6])
+def test_nodes_follow_the_order_that_is_seen(order):
+    """Errors that fall as nodes^-order are met at once, on few nodes more than they need."""
+
+    def estimate(nodes, seen):
+        return safety(seen, "slot") * (2**order - 1) * nodes**-order
+
+    rtol = estimate(1000, order) / 2
+    nodes = more_nodes(1000, estimate(1000, order), rtol, order, 8000)
+    assert estimate(nodes, order) <= rtol
+    assert nodes <= 1.45 * 1000 * 2 ** (1 / order)
+    assert estimate(nodes, order) >= min(1.0, 1.25 * (2**order - 1)) * nodes**-order
 
 
 @pytest.mark.slow
