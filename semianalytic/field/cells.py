@@ -103,7 +103,7 @@ class Primitives:
         offset[np.abs(offset) <= (tuning.SAME * np.abs(places))[centre]] = close
         side = 2 * centre + (offset.real >= 0)
         far = self._is_far(k, np.abs(offset) > np.exp(self._tops)[side])
-        side[far], offset[far] = -1, k[far]
+        side, offset = np.where(far, -1, side), np.where(far, k, offset)
         log = np.log(np.abs(offset)) + 1j * np.angle(offset)
         return self._holding(side, log), log
 
