@@ -137,11 +137,12 @@ class Primitives:
         middles, halves = self._squares(cells)
         turn, home = middles.imag - np.pi / 2, side // 2 == self.source.parting
         upright, onwards = np.abs(turn) < 0.8 * halves, np.where(side % 2, 1j, -1j)
-        # upright cells lead straight to those far above, or up to the next level
+        # upright cells lead straight to those far above, or up; those far out lead back in their
+        # sector, for errors of large integrals would add up on another path to the slot faces
         across = np.exp(middles + onwards * halves / np.sqrt(2.0)) + self._places[side]
         leaves = upright & ~home & (side >= 0)
         beside = np.where(leaves & ~self._is_far(across, leaves), 1, onwards)
-        around = np.where(turn < 0, 1j, np.where(upright, -1, -1j))
+        around = np.where((level > 1) | upright & (turn > 0), -1, np.where(turn < 0, 1j, -1j))
         way = np.where(side < 0, around, np.where(home, np.where(level > 0, -1, 1j), beside))
         # a little beyond the border
         known = (side == parting) & (sector == 0) & (level <= 0)
@@ -246,8 +247,7 @@ class Primitives:
             return np.empty((len(mix), 0))
         keys, logs = self.located(k, close)
         # Keys of a cell are small integers, and one number for each cell is smaller still.
-        least = keys.min(axis=1, keepdims=True)
-        codes = np.ravel_multi_index(tuple(keys - least), np.ptp(keys, axis=1) + 1)
+        codes = np.ravel_multi_index(tuple(keys - keys.min(1, keepdims=True)), np.ptp(keys, 1) + 1)
         # A stable sort of short integers takes time proportional to their number.
         order = np.argsort(codes.astype(np.uint16) if codes.max() < 2**16 else codes, kind="stable")
         begins = np.diff(codes[order], prepend=-1) != 0
