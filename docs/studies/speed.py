@@ -156,7 +156,7 @@ JOBS: Mapping[str, Job] = {
         limit="of the difference: picture 30 %, writing 25 %, reading 13 %, exact fields 11 %",
     ),
     "stress at 200,000 points": Job(
-        partial(stress, 200_000), 4, 0.2, limit="a third forms cells, which later calls share"
+        partial(stress, 200_000), 4, 0.2, limit="44 % forms cells, which later calls share"
     ),
     "`fit` of three unknowns to three gauges": Job(
         fitted, 3, 1.0, limit="solutions 41 %, slip at gauges 26 %"
