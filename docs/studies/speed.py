@@ -137,7 +137,7 @@ SWEEPS: Mapping[str, str] = {
 }
 """Scenes that are swept, and where their time goes."""
 PAIRS = "equations 54 %, tractions off the zones 27 %"
-MOVES = "cells of the field 38 to 70 %"
+MOVES = "cells of the field 25 to 55 %"
 JOBS: Mapping[str, Job] = {
     **{
         f"`sweep` of {side**2:,} from `{name}` [ms a scene]": Job(
@@ -159,7 +159,7 @@ JOBS: Mapping[str, Job] = {
         limit="of the difference: picture 30 %, writing 25 %, reading 13 %, exact fields 11 %",
     ),
     "stress at 200,000 points": Job(
-        partial(stress, 200_000), 4, 0.2, limit="half forms cells, which later calls share"
+        partial(stress, 200_000), 4, 0.2, limit="44 % forms cells, which later calls share"
     ),
     "`fit` of three unknowns to three gauges": Job(
         fitted, 3, 1.0, limit="solutions 41 %, slip at gauges 26 %"

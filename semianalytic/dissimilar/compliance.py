@@ -224,7 +224,7 @@ class Compliance:
         k = -v.astype(complex)
         return Entries(k, self._roots(k, list((-from_fronts).astype(complex))))
 
-    def beside(self, place: float, offset: Complex) -> Entries:
+    def beside(self, place: Array, offset: Complex) -> Entries:
         """Return the matrix at k = place + offset, Re k < 0 <= Im k, exact near -`place`."""
         k = place + offset
         # s + place is exactly 0 for the front itself, and the offset keeps all its digits.

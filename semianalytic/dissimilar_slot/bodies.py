@@ -93,45 +93,47 @@ class BodyFace(Source):
         density = self.density
         return bool(density.parts) and tolerance_of(density.rule.spacing) > tuning.COARSE_FROM
 
-    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        place = float(self.places[owner]) if owner >= 0 else 0.0
+    def densities(self, owners: np.ndarray, offset: Complex) -> Complex:
+        owners = np.repeat(owners, offset.shape[1])
         nodes = sum(part.panel.count for part in self.density.parts) + 1
         # Each point meets every node of every zone: in pieces, or memory would grow as their
         # product; these take some MB.
-        pieces = np.array_split(offset.ravel(), 1 + offset.size * nodes // 60_000)
-        values = [self._densities(owner, place, piece) for piece in pieces]
+        count = 1 + offset.size * nodes // 60_000
+        pieces = (np.array_split(part, count) for part in (owners, offset.ravel()))
+        values = [self._densities(*piece) for piece in zip(*pieces, strict=True)]
         return np.concatenate(values, axis=1).reshape(-1, *offset.shape)
 
-    def _densities(self, owner: int, place: float, offset: Complex) -> Complex:
-        """Return all densities (f, m) at one singular point + offset (m,)."""
+    def _densities(self, owners: np.ndarray, offset: Complex) -> Complex:
+        """Return all densities (f, m) at offsets (m,) from singular points (m,)."""
         fronts = np.array([[self.factors.a], [1.0], [self.factors.c]])
+        place = np.append(self.places, 0.0)[owners]
         left, right = (fronts + place) + offset, (place - fronts) + offset
         at = Slowness(self.factors, place + offset, left, right)
         values = np.empty((4, len(offset)), dtype=complex)
-        stuck = owner if 0 <= owner < self.parting else None
-        # The exact slowness of the singular point, without the rounding of its scaled copy.
-        start = place * self._unit if stuck is None else -self._singular[stuck]
+        stuck, start = (owners >= 0) & (owners < self.parting), place * self._unit
+        # The exact slowness of singular points, without the rounding of its scaled copy.
+        start[stuck] = -np.array(self._singular)[owners[stuck]]
         ahead = at.k.real >= 0
         if ahead.any():
             parts = (at.k, at.alpha, at.beta, at.coupling, at.rayleigh)
             k, alpha, beta, coupling, rayleigh = (part[ahead] for part in parts)
-            tau, sigma = self._tractions(start, offset[ahead] * self._unit)
+            tau, sigma = self._tractions(start[ahead], offset[ahead] * self._unit)
             # V = -B tau - k D sigma and U = k D tau - A sigma of this body alone, in its own units.
             along = -(beta * tau + k * coupling * sigma) / rayleigh
             across = (k * coupling * tau - alpha * sigma) / rayleigh
             values[:, ahead] = along, across, tau, sigma
         if not ahead.all():
-            values[:, ~ahead] = self._from_rates(start, offset[~ahead] * self._unit)
+            values[:, ~ahead] = self._from_rates(start[~ahead], offset[~ahead] * self._unit)
         along, across, shear, press = values
         return radiated(at, (along, across), (shear, press))
 
-    def _tractions(self, place: float, offset: Complex) -> tuple[Complex, Complex]:
+    def _tractions(self, place: Array, offset: Complex) -> tuple[Complex, Complex]:
         """Return T_tau and T_sigma of the face right of k = 0, (m,) each."""
         z = self.density.above(place, offset)
         tau, sigma = (self.density.glued.psi(place + offset) @ z[..., None])[..., 0].T
         return -tau if self.below else tau, sigma
 
-    def _from_rates(self, place: float, offset: Complex) -> Complex:
+    def _from_rates(self, place: Array, offset: Complex) -> Complex:
         """Return V_x, V_y in units of the body, T_tau and T_sigma left of k = 0, (4, m)."""
         compliance, k = self.density.interface.compliance, place + offset
         entries = compliance.beside(place, offset)

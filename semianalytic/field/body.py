@@ -139,7 +139,7 @@ def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
         # From 1e16 c_t t on fields are those at infinity, to rounding.
         x, y = (np.clip(coordinate / t, -1e16, 1e16) for coordinate in (x, y))
     # Nearer points are the edge: antiplane stresses are off by 1e-8 at 1e-8 and by 6e-7 at 1e-15.
-    at_edge = np.hypot(x, y) < 1e-16
+    at_edge = np.square(x) + np.square(y) < 1e-32
     return np.where(at_edge, 0.0, x), np.where(at_edge, 0.0, y), np.ones_like(t)
 
 
@@ -222,28 +222,31 @@ def slowness(x: Array, y: Array, t: Array, s: float, front: float = 0.0) -> Comp
     square = np.square(x) + np.square(y)
     r = np.sqrt(square)
     rest = (t - s * r) * (t + s * r)
-    root, inside = np.sqrt(np.abs(rest)), rest >= 0
-    across = np.where(inside, 1.0, np.abs(x) * t + y * root)
     # r^2 k^2 + 2 x t k + t^2 - s^2 y^2 = 0; ahead of the wave both roots are real, and the one that
     # cancels follows from their product.
-    before = -np.sign(x) * (t - s * y) * (t + s * y) / across
-    if front:  # where the sign at the root is that of -x, nothing cancels
-        turned = (x > 0) & (s * x < front * r)
-        before = np.where(turned, -(x * t + y * root) / square, before)
-    real = np.where(inside, -x * t / square, before)
-    return real + 1j * np.where(inside, y * root / square, 0.0)
+    real, before = -x * t / square, rest < 0
+    if before.any():
+        x_b, y_b, t_b, root = x[before], y[before], t[before], np.sqrt(-rest[before])
+        across = np.abs(x_b) * t_b + y_b * root
+        ahead = -np.sign(x_b) * (t_b - s * y_b) * (t_b + s * y_b) / across
+        if front:  # where the sign at the root is that of -x, nothing cancels
+            turned = (x_b > 0) & (s * x_b < front * r[before])
+            ahead = np.where(turned, -(x_b * t_b + y_b * root) / square[before], ahead)
+        real[before] = ahead
+    return real + 1j * (y * np.sqrt(np.maximum(rest, 0.0)) / square)
 
 
 def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndarray:
     """Return (m,) whether points are the contact edge, or lie on a wave that is singular there."""
-    edge = (x == 0) & (y == 0)
-    away = np.where(edge, t, x)
-    at_front = [
-        (t >= primitives.source.front * away + np.sqrt(s**2 - primitives.source.front**2) * y)
-        & primitives.at_centre(slowness(away, y, t, s, primitives.source.front))
-        for s in primitives.source.slownesses
-    ]
-    return edge | np.logical_or.reduce(at_front)
+    edge, r = (x == 0) & (y == 0), np.sqrt(np.square(x) + np.square(y))
+    away, front, result = np.where(edge, t, x), primitives.source.front, edge.copy()
+    for s in primitives.source.slownesses:
+        # anywhere else slowness is not real
+        few = np.flatnonzero((y <= 1e-8 * r) | (s * r >= (1 - 1e-8) * t))
+        at = away[few], y[few], t[few]
+        behind = at[2] >= front * at[0] + np.sqrt(s**2 - front**2) * at[1]
+        result[few] |= behind & primitives.at_centre(slowness(*at, s, front))
+    return result
 
 
 def upper(
@@ -258,7 +261,11 @@ def upper(
     along = primitives.source.antiplane
     chosen = (ALONG if along else PLANE)[quantity]
     # There is one wave in antiplane shear, and nothing to cancel with it.
-    near = np.zeros(len(x), dtype=bool) if along else t > tuning.NEAR_EDGE * np.hypot(x, y)
+    near = (
+        np.zeros(len(x), dtype=bool)
+        if along
+        else t > tuning.NEAR_EDGE * np.sqrt(np.square(x) + np.square(y))
+    )
     result = np.zeros((chosen.stop - chosen.start, len(x)))
     for wave in waves(primitives.source):
         here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front) & ~near)

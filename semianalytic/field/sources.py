@@ -75,11 +75,8 @@ class Source(Protocol):
     def is_coarse(self) -> bool:
         """Whether the rule has so few digits that polynomials of a lower degree hold them."""
 
-    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        """Return all densities (f, ...) at `places[owner]` + offset, or at offset if owner is -1.
-
-        No |k| is far above `scale`.
-        """
+    def densities(self, owners: np.ndarray, offset: Complex) -> Complex:
+        """Return all densities (f, c, m) at offsets (c, m) from `places[owners]`, or 0 if -1."""
 
 
 def _order(centre: Centre, other: Centre) -> int:
@@ -169,10 +166,11 @@ class LikeBody(Source):
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self.ahead - plane_wave(at_zero, factors.mode, factors.a)
 
-    def densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        centre, factors = self._centres[owner] if owner >= 0 else Centre(0), self.factors
+    def densities(self, owners: np.ndarray, offset: Complex) -> Complex:
+        centres, factors = [*self._centres, Centre(0)], self.factors
         fronts = np.array([factors.a, 1.0, factors.in_plane.c])
-        left, right = (offset + gaps[:, None, None] for gaps in centre.fronts(fronts))
-        at = Slowness(factors, centre.place + offset, left, right)
-        values = self.transform.near(centre, offset, scale)
-        return densities(at, values, factors.mode)
+        gaps = np.array([centre.fronts(fronts) for centre in centres])[owners]
+        left, right = np.moveaxis(gaps, 0, -1)[..., None] + offset
+        places = np.array([centre.place for centre in centres])[owners]
+        at = Slowness(factors, places[:, None] + offset, left, right)
+        return densities(at, self.transform.beside(centres, owners, offset), factors.mode)

@@ -89,9 +89,11 @@ class Transform:
         for knot in knots:
             sent = sent / -(panels.at.v + knot)
         # v + k = (v - a) + (k + a): both distances from the front of the cut are exact.
-        kernel = 1 / (panels.at.from_a.ravel() + beyond[:, None])
-        k, result = beyond - self.fields.factors.a, np.zeros(len(beyond))
-        result -= panels.rule.spacing / np.pi * (kernel @ sent.ravel())
+        # Pieces stay in the processor's cache.
+        from_a, pieces = panels.at.from_a.ravel(), np.array_split(beyond, 1 + len(beyond) // 20)
+        sums = [(1 / (from_a + piece[:, None])) @ sent.ravel() for piece in pieces]
+        k, result = beyond - self.fields.factors.a, np.concatenate(sums)
+        result *= -panels.rule.spacing / np.pi
         # Divided differences at the knots make the integral converge, which T itself, growing as
         # k^1/2, does not allow.
         result *= np.prod(k[:, None] - knots, axis=1)
@@ -169,29 +171,41 @@ class Transform:
             left = -own
         return np.concatenate([left.ravel(), right])
 
-    def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
-        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`."""
-        distances, place = self._offsets(centre), centre.place
-        # T grows like k^1/2 at most, so the integrand falls like k^-3/2.
-        power = 2 + len(self._borders)
-        # T(k) is Cauchy's integral of T f over that of f: the fading factor f, analytic above the
-        # axis, drops out, and with it the errors that both integrals share.
-        fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -power
-        carried = fading * self._values
-        weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
-        weight, away = np.abs(carried) + np.abs(fading), np.abs(distances)
-        result, step = np.empty(offset.shape, dtype=complex), np.pi / tuning.SECTORS
+    def beside(self, centres: list[Centre], owners: np.ndarray, offset: Complex) -> Complex:
+        """Return T at k = centre + offset, (c, m), Im >= 0, of centres of indices (c,)."""
+        result = np.empty_like(offset)
+        largest = np.maximum(np.abs(offset).max(axis=1), 1.0)
+        # Transforms are formed at |k| not far above a scale.
+        sizes = np.ceil(np.log(largest) / np.log(tuning.SCALES) + 1e-12)
+        for size in np.unique(sizes):
+            over = 1 / (1 + self._offsets(Centre(0)) / (1j * tuning.SCALES**size))
+            # T(k) is Cauchy's integral of T f over that of f: the fading factor f, analytic above
+            # the axis, drops out, and with it the errors that both integrals share.  T grows like
+            # k^1/2 at most, so the integrand falls like k^-3/2.
+            fading = self._weights * np.prod([over] * (2 + len(self._borders)), axis=0)
+            carried = fading * self._values
+            weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
+            for owner in np.unique(owners[sizes == size]):
+                here = (sizes == size) & (owners == owner)
+                result[here] = self._near(centres[owner], offset[here], weights)
+        return result
+
+    def _near(self, centre: Centre, offset: Complex, weights: Array) -> Complex:
+        """Return T at k = centre + offset, (c, m), from weights (n, 4) of T and of 1 at nodes."""
+        distances, size, result = self._offsets(centre), np.abs(offset), np.empty_like(offset)
+        weight, away = np.abs(weights.view(complex)).sum(axis=1), np.abs(distances)
         # Cells share sums in rings three steps wide; half and twice the width are up to 15 % slower
-        least = np.floor(np.log(np.abs(offset).min(axis=1)) / (3 * step))
+        # What a ring is does not depend on the cells at hand, and so no digit does.
+        step, low, high = np.pi / tuning.SECTORS, size.min(axis=1), size.max(axis=1)
+        rings = np.floor(np.log(low) / (3 * step)), np.rint(np.log(high / low) / step)
         tolerance = tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance
-        for ring in np.unique(least):
-            nearest = float(np.exp(3 * step * ring))
-            farthest = nearest * float(np.exp(4 * step))
+        for ring, span in np.unique(rings, axis=1).T:
+            rows = (rings[0] == ring) & (rings[1] == span)
+            nearest, farthest = np.exp([3 * step * ring, (3 * ring + 3 + span) * step]).tolist()
             # The most that a node adds to any point of the ring.
             sizes = weight / (away + nearest)
             kept = sizes > tolerance * sizes.max()
             seen = _Seen.of(distances[kept], weights[kept], nearest, farthest, tolerance)
-            rows = least == ring
             above, below = seen.sums(offset[rows].ravel())
             result[rows] = (above / below).reshape(-1, offset.shape[1])
         for border in self._borders:

@@ -23,8 +23,8 @@ SCALES = 16.0
 
 # Positions (bodies)
 
-POINTS_AT_ONCE = 100_000
-"""Points that are evaluated at once: working memory stays at some 100 MB."""
+POINTS_AT_ONCE, POWERS_AT_ONCE = 200_000, 2000
+"""Points that are evaluated at once: working memory stays at some 100 MB; and those of a cell."""
 
 # Fields (body)
 

@@ -232,7 +232,7 @@ class Density:
         sums = _cauchy(real, points.v.imag, self.masses)
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
-    def above(self, place: float, offset: Complex) -> Values:
+    def above(self, place: Array, offset: Complex) -> Values:
         """Return z(k), (m, 2), at k = place + offset (m,), anywhere on and above the axis."""
         k = place + offset
         total = self._of_poles(-k)

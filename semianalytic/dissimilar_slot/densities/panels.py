@@ -135,7 +135,7 @@ class Panel:
         # bounded panel.
         return kernel / (self.weight * cosh)[: self.count] * cosh[:, None]
 
-    def above(self, masses: Values, place: float, offset: Complex) -> Values:
+    def above(self, masses: Values, place: Array, offset: Complex) -> Values:
         """Return int J(w) / (w - v) dw at -v = place + offset on and above the axis, (m, f).
 
         As in `own_kernel` the integral of the sinc series is exact: it has the factor
