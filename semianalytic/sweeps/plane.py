@@ -182,10 +182,6 @@ class Plane:
                 found[pattern] = targets[some], certain[some]
         return found
 
-    def _edges(self, pattern: Pattern, which: Sequence[int] | np.ndarray) -> Edges:
-        """Return the edges of some points."""
-        return Edges(self.family.chosen(np.asarray(which)), *pattern)
-
     def _sets(self, pattern: Pattern, which: np.ndarray) -> ZoneSets:
         """Return the sets of zones of some points, with their loads."""
         return ZoneSets(Edges(self.family, *pattern), self.load).chosen(which)
@@ -202,8 +198,7 @@ class Plane:
         if len(which) < 2:
             yield from np.arange(len(which))[:, None]
             return
-        edges = self._edges(pattern, which)
-        parts, hiding = edges.parts(unknowns.T), self.hiding[which]
+        parts, hiding = self._sets(pattern, which).edges.parts(unknowns.T), self.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.hidden.real[which])
         distances = np.abs(parts[1:])
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
@@ -328,7 +323,7 @@ class Plane:
             return
         count, size = len(found), len(found[0].unknowns)
         unknowns = np.array([zone.unknowns for zone in found]).reshape(count, size).T
-        every = self._edges(found[0].pattern, points).zones(unknowns)
+        every = self._sets(found[0].pattern, points).edges.zones(unknowns)
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(steps, 1, size, nodes, stages)
         for j, (i, followed) in enumerate(zip(points.tolist(), found, strict=True)):

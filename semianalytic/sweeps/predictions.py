@@ -92,11 +92,11 @@ def predicted(
     scaled = np.array([zone.inverse for zone in known if zone.inverse is not None])
     scaled *= slopes[led, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
-    inverse, others = (table / back for table in stencils.best(values[led])(scaled))
+    inverse, others = (table / back for table in stencils.blended(scaled, values[led]))
     # Those from the fine rule alone say what others lack.
-    firm = np.array([zone.lack is not None for zone in known])
     footed = [zone for zone in known if zone.lack is not None]
-    near = Neighbourhood(at[firm]).nearest(places, tuning.CERTAIN_NEIGHBOURS)
+    firm = Neighbourhood(at[[zone.lack is not None for zone in known]])
+    near = firm.nearest(places, tuning.CERTAIN_NEIGHBOURS)
     # The median: a single neighbour on a very fine rule, near a threshold, does not make all
     # points around it expensive.
     tolerance = np.median(np.array([zone.tolerance for zone in footed])[near], axis=1)

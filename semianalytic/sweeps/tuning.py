@@ -24,8 +24,7 @@ LOCATED = 5e-4
 LEADING_DOUBT = 0.2
 """Doubt below which a prediction needs no full Newton's method: else zones are others."""
 BENT = 30.0
-"""What a first chord step leaves over its square: 25 at most on 2,600 points behind Newton's method
-on the rule of `COARSEST`, where that is more than 1.5e-7."""
+"""What a first chord step leaves over its square, behind Newton's method on a coarser rule."""
 LOOSEST_LAW = 1e-4
 """Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
 COARSEST = 1e-3
