@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from semianalytic.cut.load import common_load, per_set, scaled_load
 from semianalytic.cut.profile import Profile
-from semianalytic.cut.quadrature.layout import Zone
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
 from semianalytic.halfplane.rayleigh import CutPoints
@@ -17,6 +16,7 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.scene.arrays import Array
 from semianalytic.scene.scene import Tractions
+from semianalytic.selfsimilar.derivatives.varied import edges_of_zones
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning
 
@@ -63,11 +63,6 @@ def _shares(solution: Solution) -> bool:
     return coulomb and not (load.frictionless or load.opened or load.slowness)
 
 
-def _edges(zones: Iterable[Zone]) -> list[CutPoints]:
-    """Return the edges of zones that are not at an end of the cut."""
-    return [p for zone in zones for p in (zone.left, zone.right) if p is not None]
-
-
 def _key(solution: Solution) -> tuple:
     """Return what solutions on common panels share: kinds of zones, sides of fronts and cuts."""
     fields = solution.profile.fields
@@ -76,7 +71,7 @@ def _key(solution: Solution) -> tuple:
         for zone in fields.zones
     )
     places = []
-    for p in _edges(fields.zones):
+    for p in edges_of_zones(solution.profile):
         below = (p.first_below(cut) for cut in fields.factors.cuts)
         places.append((p.first[2] > 0, p.first[3] > 0, *below))
     return (*kinds, *places, len(fields.factors.cuts))
@@ -86,13 +81,13 @@ def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[
     """Yield groups of solutions of one key, as many as fill the cache, with similar panels."""
     tolerance = [solution.profile.fields.rule.tolerance for solution in solutions]
     gap = [
-        min((abs(p.first[3]) for p in _edges(solution.profile.fields.zones)), default=1.0)
+        min((abs(p.first[3]) for p in edges_of_zones(solution.profile)), default=1.0)
         for solution in solutions
     ]
     digits = 2 - np.log(tolerance)
     # The count of nodes of `Plane._batches`: narrow gaps and fine rules need long panels.
     nodes = digits * (2 * digits - np.log(np.minimum(gap, 1.0)))
-    panels = len(_edges(solutions[0].profile.fields.zones)) + 2
+    panels = len(edges_of_zones(solutions[0].profile)) + 2
     hiding = family.hiding[: len(solutions)]
     for kind in np.unique(hiding):
         some = np.flatnonzero(hiding == kind)

@@ -26,21 +26,22 @@ class Stencils:
     near: np.ndarray
     weights: Array
 
-    def best(self, known: Array) -> Blends:
-        """Return the two polynomials, two degrees apart, that differ least for known values (n, e).
+    def blended(self, table: Array, known: Array) -> tuple[Array, Array]:
+        """Return values (t, ...) of a table (n, ...) by two polynomials, two degrees apart.
 
-        Polynomials one degree apart agree among symmetric neighbours, even if both are wrong.
+        They are those that differ least for known values (n, e).  Polynomials one degree apart
+        agree among symmetric neighbours, even if both are wrong.
         """
-        points = np.arange(len(self.near))
+        near = table[self.near]
         # Too few neighbours for polynomials two degrees apart: the nearest value, with an error
         # that nobody knows.
         if len(self.weights) < 3:
-            nearest = np.zeros(self.weights.shape[1:])
-            nearest[:, 0] = 1.0
-            return Blends(self.near, nearest, np.full_like(nearest, np.nan))
+            return near[:, 0], np.full_like(near[:, 0], np.nan)
         apart, _ = self._differences(known)
-        lower = apart.max(axis=-1, initial=0.0).argmin(axis=0)
-        return Blends(self.near, self.weights[lower + 2, points], self.weights[lower, points])
+        lower, points = apart.max(axis=-1, initial=0.0).argmin(axis=0), np.arange(len(near))
+        both = (self.weights[degree, points] for degree in (lower + 2, lower))
+        value, other = (np.einsum("tm,tm...->t...", weights, near) for weights in both)
+        return value, other
 
     def of_each(self, known: Array) -> tuple[Array, Array]:
         """Return the values (t, e) of the two best polynomials of each column of known ones (n, e).
@@ -52,8 +53,7 @@ class Stencils:
             return nearest, np.full_like(nearest, np.nan)
         apart, each = self._differences(known)
         lower = apart.argmin(axis=0)[None]
-        both = (np.take_along_axis(each, degree, axis=0)[0] for degree in (lower + 2, lower))
-        value, other = both
+        value, other = (np.take_along_axis(each, i, axis=0)[0] for i in (lower + 2, lower))
         return value, other
 
     def _differences(self, known: Array) -> tuple[Array, Array]:
@@ -62,23 +62,6 @@ class Stencils:
         """
         each = np.einsum("dtm,tme->dte", self.weights, known[self.near])
         return np.nan_to_num(np.abs(each[2:] - each[:-2]), nan=np.inf), each
-
-
-@dataclass(frozen=True)
-class Blends:
-    """The weights (t, m) of neighbours (t, m) in a polynomial, and in the next best one."""
-
-    near: np.ndarray
-    weights: Array
-    others: Array
-
-    def __call__(self, known: Array) -> tuple[Array, Array]:
-        """Return the values (t, ...) of both polynomials, from known ones (n, ...)."""
-        near = known[self.near]
-        flat = near.reshape(*self.near.shape, -1)
-        both = (np.einsum("tm,tmo->to", weights, flat) for weights in (self.weights, self.others))
-        value, other = (values.reshape(len(near), *known.shape[1:]) for values in both)
-        return value, other
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,7 +80,9 @@ class Plane:
         each = [scaled_load(scenes[i]) for i in first]
         self.loads = [each[number] for number in own]
         self.unit = unit or min(unit for _, unit in each)
-        self.load = common_load(scenes, self.unit)
+        load = common_load([scenes[i] for i in first], self.unit)
+        far_slip_rate = np.asarray(load.far_slip_rate)[own]
+        self.load = replace(load, friction=friction[:, None], far_slip_rate=far_slip_rate)
         # Zones slip ahead of all waves only where friction is reached there.
         self.still = np.array([not load.far_slip_rate for load, _ in each])[own]
         self.critical = np.array([load.critical for load, _ in each])[own]
@@ -180,10 +182,6 @@ class Plane:
                 found[pattern] = targets[some], certain[some]
         return found
 
-    def _edges(self, pattern: Pattern, which: Sequence[int] | np.ndarray) -> Edges:
-        """Return the edges of some points."""
-        return Edges(self.family.chosen(np.asarray(which)), *pattern)
-
     def _sets(self, pattern: Pattern, which: np.ndarray) -> ZoneSets:
         """Return the sets of zones of some points, with their loads."""
         return ZoneSets(Edges(self.family, *pattern), self.load).chosen(which)
@@ -200,8 +198,7 @@ class Plane:
         if len(which) < 2:
             yield from np.arange(len(which))[:, None]
             return
-        edges = self._edges(pattern, which)
-        parts, hiding = edges.parts(unknowns.T), self.hiding[which]
+        parts, hiding = self._sets(pattern, which).edges.parts(unknowns.T), self.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.hidden.real[which])
         distances = np.abs(parts[1:])
         # Nodes of a panel are proportional to the digits of the rule times its length in y, which
@@ -234,7 +231,7 @@ class Plane:
 
     def _measure(self, pattern: Pattern, known: Sequence[int]) -> None:
         """Measure what edges from the fine rule lack on the loose one, where it is not known."""
-        firm = [(i, self.zones[i]) for i in known if self.zones[i].inverse is not None]
+        firm = [(i, self.zones[i]) for i in known if self.origin[i] != INTERPOLATED]
         new = [(i, zone.unknowns, zone.inverse) for i, zone in firm if zone.lack is None]
         if not new:
             return
@@ -258,7 +255,10 @@ class Plane:
         seconds = (perf_counter() - start) / len(some)
         sound = np.flatnonzero(done.sound)
         now, rules = done.unknowns.T[sound], some.tolerance[sound]
-        parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), strict=True)
+        nearer = done.approached[sound]
+        own = zip(nearer.inverse, nearer.doubt == tuning.LOCATED, strict=True)
+        inverse = [each if located else None for each, located in own]
+        parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), inverse, strict=True)
         found = [Followed(pattern, *each) for each in parts]
         self._keep(some.points[sound], found, INTERPOLATED, 1, done.nodes, seconds)
         # A point that violates Coulomb's law has other zones and is not tried again with these.
@@ -323,7 +323,7 @@ class Plane:
             return
         count, size = len(found), len(found[0].unknowns)
         unknowns = np.array([zone.unknowns for zone in found]).reshape(count, size).T
-        every = self._edges(found[0].pattern, points).zones(unknowns)
+        every = self._sets(found[0].pattern, points).edges.zones(unknowns)
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(steps, 1, size, nodes, stages)
         for j, (i, followed) in enumerate(zip(points.tolist(), found, strict=True)):

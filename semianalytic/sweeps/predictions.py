@@ -32,8 +32,8 @@ Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 class Followed:
     """Zones at one point.
 
-    If they were found on the fine rule, there is an inverse Jacobian (e, e), and, once it is
-    measured, `lack`, the error of edges that are right on the loose rule.
+    Where Newton's method found them there is an inverse Jacobian (e, e), and on the fine rule, once
+    it is measured, `lack`, the error of edges that are right on the loose rule.
     """
 
     pattern: Pattern
@@ -82,19 +82,21 @@ def predicted(
     """Predict zones at places (t, 2) of points (t,) from those of one pattern known at others."""
     values = np.array([zone.unknowns for zone in known])
     unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
-    footed = [zone for zone in known if zone.inverse is not None]
-    # Points corrected on a loose rule have no Jacobian of their own: they predict edges, but only
-    # those from the fine rule predict inverse Jacobians.
-    firm = np.array([zone.inverse is not None for zone in known])
+    # Points corrected by chord steps have no Jacobian of their own: they predict edges alone.
+    led = np.array([zone.inverse is not None for zone in known])
     # Inverse Jacobians need fewer digits than edges, and so half as many neighbours.
-    stencils = Neighbourhood(at[firm]).stencils(places, 16)
+    stencils = Neighbourhood(at[led]).stencils(places, 16)
     # Where shares are interpolated, so are the rows of the inverse Jacobian with respect to shares,
     # by the chain rule; `back` returns to unknowns.
     slopes = np.where(shared, _share_slope(values), 1.0)
-    scaled = np.array([zone.inverse for zone in footed]) * slopes[firm, :, None]
+    scaled = np.array([zone.inverse for zone in known if zone.inverse is not None])
+    scaled *= slopes[led, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
-    inverse, others = (table / back for table in stencils.best(values[firm])(scaled))
-    near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
+    inverse, others = (table / back for table in stencils.blended(scaled, values[led]))
+    # Those from the fine rule alone say what others lack.
+    footed = [zone for zone in known if zone.lack is not None]
+    firm = Neighbourhood(at[[zone.lack is not None for zone in known]])
+    near = firm.nearest(places, tuning.CERTAIN_NEIGHBOURS)
     # The median: a single neighbour on a very fine rule, near a threshold, does not make all
     # points around it expensive.
     tolerance = np.median(np.array([zone.tolerance for zone in footed])[near], axis=1)
@@ -158,7 +160,7 @@ def joined(parts: Sequence[Predictions]) -> Predictions:
 class CorrectedZones:
     """Corrected unknowns (e, k), error estimates (k,), which are sound, of which Coulomb's law says
     on the fine rule that there are other zones, and nodes per set; and the predictions, those that
-    were far off moved near their places."""
+    were far off moved near their places by Newton's method, with `LOCATED` for doubt."""
 
     unknowns: Array
     estimate: Array
@@ -182,24 +184,30 @@ def corrected(
     sound = np.ones(len(predictions), dtype=bool)
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     doubt = np.full(len(predictions), tuning.LEADING_DOUBT)  # of what fails below
+    # Amid far neighbours both inverse Jacobians were 17 % off, and agreed to 0.2 %.
+    others, share = predictions.others.copy(), np.full(len(predictions), 0.2)
     if len(unknowns) and len(far):
         coarse = rule_for(max(loosest, tuning.COARSEST))
-        moved, better, left, _ = newton(sets.chosen(far), unknowns[:, far], coarse)
-        sound[far] = near = left < np.inf
-        unknowns[:, far[near]], inverse[far[near]] = moved[:, near], better[near]
-        doubt[far[near]] = tuning.LOCATED
-    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse, doubt=doubt)
+        found, better, last, _ = newton(sets.chosen(far), unknowns[:, far], coarse)
+        sound[far] = near = last < np.inf
+        far = far[near]
+        unknowns[:, far], inverse[far], others[far] = found[:, near], better[near], better[near]
+        # A chord step with Newton's own inverse leaves what `continued` expects of one.
+        share[far] = np.maximum(2 * last[near], tuning.LEAST_CONTRACTION)
+        doubt[far] = tuning.LOCATED
+    moved = {"unknowns": unknowns.T.copy(), "inverse": inverse, "others": others, "doubt": doubt}
+    nearer = replace(predictions, **moved)
     # The least tolerance of the batch serves all of its points, which share panels.
     fields = sets.fields(unknowns, rule_for(float(predictions.loose.min())))
     estimate = predictions.estimate.copy()
     if len(unknowns):
-        both = inverse, predictions.others
-        unknowns, left = _stepped(sets, unknowns, fields, both, rtol - estimate)
+        unknowns, left = _stepped(sets, nearer, fields, share, rtol - estimate)
         sound &= sets.edges.admits(unknowns)
         # `left` is what the chord steps leave; the estimate held neighbours' errors and the lack of
         # the rule.
         estimate += SAFETY * left
-        lacking = _found_lacking(sets, unknowns, inverse, predictions)
+        kept = np.flatnonzero(sound & (estimate <= rtol))
+        lacking = _found_lacking(sets, unknowns, nearer, kept)
         estimate = np.maximum(estimate, SAFETY * lacking)
     sound &= estimate <= rtol
     lawful = ~certain
@@ -220,36 +228,38 @@ def corrected(
 
 
 def _found_lacking(
-    sets: ZoneSets, unknowns: Array, inverse: Array, predictions: Predictions
+    sets: ZoneSets, unknowns: Array, predictions: Predictions, kept: np.ndarray
 ) -> float:
-    """Return the error on its fine rule of a batch's set with the narrowest gap; 0 without one.
+    """Return the error on its fine rule of the kept set with the narrowest gap; 0 without one.
 
     On panels that sets with narrow gaps share, edges may lack a hundred times what they do alone.
     """
     gap = np.abs(sets.edges.parts(unknowns)[3]).min(axis=0)
-    if len(gap) < 2 or gap.min() > tuning.NARROW_GAP:
+    if len(gap) < 2 or gap[kept].min(initial=1.0) > tuning.NARROW_GAP:
         return 0.0
-    at = np.array([np.argmin(gap)])
+    at = kept[[np.argmin(gap[kept])]]
     one, now = sets.chosen(at), unknowns[:, at]
     fields = one.fields(now, rule_for(float(predictions.tolerance[at[0]])))
-    moved = now - moves(inverse[at], fields.mismatch())
+    moved = now - moves(predictions.inverse[at], fields.mismatch())
     return float(shift_error(one.edges, now, moved, fields)[0])
 
 
 def _stepped(
-    sets: ZoneSets, start: Array, fields: ZoneFields, inverse: tuple[Array, Array], room: Array
+    sets: ZoneSets, start: Predictions, fields: ZoneFields, share: Array, room: Array
 ) -> tuple[Array, Array]:
     """Return unknowns (e, k) after chord steps from `start`, and the error that is left (k,).
 
-    It is what two inverse Jacobians disagree upon, or what the last step leaves.
+    It is what two inverse Jacobians disagree upon, at least a share (k,) of the first step, or what
+    the last step leaves.
     """
     values = fields.mismatch()
-    move = -moves(inverse[0], values)
-    size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))
+    move = -moves(start.inverse, values)
+    size, apart = np.abs(move).max(axis=0), np.abs(move + moves(start.others, values))
     # Two inverse Jacobians from two polynomials: their disagreement is the linear error of the
-    # step, and the square of the step stands for the curvature.
-    # Amid far neighbours both were 17 % off, and agreed to 0.2 %.
-    unknowns, rest = start + move, np.maximum(apart, 0.2 * size) + np.square(size)
+    # step; the square of the step stands for curvature, and for what the Jacobian of a coarser rule
+    # lacks, since a first step behind Newton's method is about as long as what its edges lack.
+    rest = np.maximum(apart, share * size) + tuning.BENT * np.square(size)
+    unknowns = start.unknowns.T + move
     left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
     # Nearly singular inverse Jacobians take short steps far from the edges: two of 3,107 points of
     # a fine grid were 3 and 18 times their estimate off, at disagreements of 0.4 and 44.
@@ -262,10 +272,10 @@ def _stepped(
             break
         some = sets.chosen(again)
         fields = some.fields(unknowns[:, again], fields.rule)
-        move = -moves(inverse[0][again], fields.mismatch())
+        move = -moves(start.inverse[again], fields.mismatch())
         unknowns[:, again] += move
         # The steps form a geometric series: what is left is the last move times its ratio.
-        share = np.abs(move).max(axis=0) / size[again]
-        rest, size[again] = move * np.minimum(1.0, share), size[again] * share
+        ratio = np.abs(move).max(axis=0) / size[again]
+        rest, size[again] = move * np.minimum(1.0, ratio), size[again] * ratio
         left[again] = shift_error(some.edges, unknowns[:, again], unknowns[:, again] + rest, fields)
     return unknowns, left

@@ -23,6 +23,8 @@ LOCATED = 5e-4
 """Doubt of zones located on the loose rule, in which the fine rule is trusted to correct them."""
 LEADING_DOUBT = 0.2
 """Doubt below which a prediction needs no full Newton's method: else zones are others."""
+BENT = 30.0
+"""What a first chord step leaves over its square, behind Newton's method on a coarser rule."""
 LOOSEST_LAW = 1e-4
 """Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
 COARSEST = 1e-3

@@ -19,6 +19,10 @@ from semianalytic.scene.arrays import Array
 from semianalytic.selfsimilar.zones import tuning
 
 _APART = (False, False)
+_OF_NODES = ("widths", "from_left", "from_right", "jacobian", "skew")
+_OF_FIELDS: tuple[str, ...] = ("slip_rate_slope", "traction_slope", "residue")
+_OF_FIELDS += ("transform_at_edge", "stick_transform_at_edge", "stick_transform_excess")
+"""Arrays of panels and fields that `wrong` needs, each with an axis of sets."""
 
 
 @dataclass(frozen=True)
@@ -97,16 +101,22 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
 
 
 def _one_of(profile: Profile, j: int) -> Profile:
-    """Return the profile of one of k sets of zones."""
-    fields, load = profile.fields, profile.fields.load
+    """Return the profile of one of k sets of zones, with what is known of all of them."""
+    fields, load, panels = profile.fields, profile.fields.load, profile.panels
 
-    def edge(points: CutPoints | None) -> CutPoints | None:
-        return points[j] if points is not None and points.v.ndim == 2 else points
+    def see(points: CutPoints) -> CutPoints:
+        return CutPoints(points.parts[..., j, :]) if points.v.ndim > 1 else points
 
-    zones = tuple(replace(z, left=edge(z.left), right=edge(z.right)) for z in fields.zones)
     friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
     load = replace(load, friction=friction, far_slip_rate=far)
-    return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
+    zones = tuple(zone.seen_by(see) for zone in fields.zones)
+    one = ZoneFields(fields.factors.single(j), load, zones, fields.rule)
+    nodes = {name: getattr(panels, name)[:, j] for name in _OF_NODES}
+    known = {name: vars(fields)[name] for name in _OF_FIELDS if name in vars(fields)}
+    own = {name: part[:, j] if part.ndim == 3 else part[j] for name, part in known.items()}
+    # In place of what the cached properties would compute.
+    vars(one).update(own, panels=replace(panels.seen_by(see), **nodes))
+    return Profile(one)
 
 
 # Overflow leaves nan in the misses, which is answered by None.

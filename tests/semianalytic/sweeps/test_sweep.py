@@ -11,15 +11,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from semianalytic import Material, RateWeakening, Scene, SceneError, Tractions, solve
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.parameters.numbers import with_numbers
 from semianalytic.scene.given.finding import find_scene
 from semianalytic.selfsimilar.solver import solve as solve_exactly
+from semianalytic.selfsimilar.zones.coulomb import _one_of, admissible
 from semianalytic.sweeps.plane import COMPUTED, FROM_SCRATCH, INTERPOLATED, Plane
 from semianalytic.sweeps.predictions import Followed, predicted
-from semianalytic.sweeps.sweep import Sweep, sweep
+from semianalytic.sweeps.sweep import Sweep, _scenes, sweep
 
 SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}
 """Frictions of sweeps of named scenes, which cross thresholds."""
@@ -133,6 +137,39 @@ def test_fields_are_those_of_single_solutions():
         )
         margin = solution.stick_margin(x, 1.0)
         np.testing.assert_allclose(margin, other.stick_margin(x, 1.0), atol=1e-6)
+
+
+def test_fields_of_one_of_many_sets_are_those_of_its_own_panels():
+    friction, nu = np.meshgrid(np.linspace(0.9, 1.3, 20), np.linspace(0.1, 0.45, 20))
+    plane = Plane(
+        _scenes(find_scene("remote-shock"), np.stack([nu.ravel(), friction.ravel()]), 1e-6), 1e-6
+    )
+    plane.run()
+    patterns = Counter(zone.pattern for zone in plane.zones.values() if len(zone.unknowns))
+    for pattern, _ in patterns.most_common(3):
+        points = np.array([i for i, zone in plane.zones.items() if zone.pattern == pattern])
+        unknowns = np.array([plane.zones[i].unknowns for i in points])
+        batch = next(plane._batches(pattern, points, unknowns, np.full(len(points), 1e-8), False))
+        sets = plane._sets(pattern, points[batch])
+        every = Profile(sets.fields(unknowns[batch].T, rule_for(1e-8)))
+        admissible(every, 1e-6)
+        one = _one_of(every, len(batch) // 2)
+        fields = one.fields
+        own = Profile(ZoneFields(fields.factors, fields.load, fields.zones, fields.rule))
+        for panel in range(len(one.panels.sense)):
+            at = one.panels.inside(panel, np.linspace(-4, 4, 9))
+            assert one.wrong(panel, at) == pytest.approx(own.wrong(panel, at), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high", "most"),
+    [("remote-shock", 0.9, 1.3, 0.24), ("preloaded", 0.2, 0.6, 0.12)],
+)
+def test_few_points_of_a_plane_need_the_fine_rule(name, low, high, most):
+    friction, nu = np.linspace(low, high, 30), np.linspace(0.1, 0.45, 30)[:, None]
+    swept = sweep(name, friction, 1e-6, poisson_ratio=nu)
+    # 0.20 and 0.07; 0.28 and 0.17 while only points from the fine rule lent others their Jacobians
+    assert np.mean([origin != INTERPOLATED for origin in swept.origin]) < most
 
 
 def test_order_and_repetition_of_frictions_do_not_matter():
