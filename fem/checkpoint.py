@@ -112,21 +112,17 @@ class Keeper:
         step: int,
         model: Model,
         record: MeshRecord,
-        frames: Callable[[], list[tuple[float, str]]],
+        frames: list[tuple[float, str]],
         now: bool,
     ) -> None:
-        """Write a checkpoint if one is due, or requested now; only then a failure is raised.
-
-        `frames` returns the field snapshots written so far; it may wait for one.
-        """
+        """Write a checkpoint if one is due, or requested now; only then a failure is raised."""
         due = 0 < step < model.steps and self._is_due(step)
         if self.path is None or not (due or now):
             return
         self._last = self.clock()
         self.missing = ""
         try:
-            state = take_checkpoint(step, model, record, frames())
-            write_checkpoint(self.path, self.identity, state)
+            write_checkpoint(self.path, self.identity, take_checkpoint(step, model, record, frames))
         except DataFileError as error:
             if now:
                 raise

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -159,17 +158,12 @@ def run_plan(
     seconds = dict(model.seconds)
     grid = plan.settings.mesh, plan.size, model.unknowns
     _log.info("simulate: %s, %s of side %.6g, %d unknowns", plan.name, *grid)
-    quiet = np.errstate(over="ignore", invalid="ignore")
-    with timed(seconds, "steps"), quiet, ThreadPoolExecutor(1) as thread:
+    with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = MeshRecord(model), run_identity(model)
         run = run_name(identity)
         keeper = Keeper(kept, pace, identity)
         started, written = keeper.resume(model, record) if resume else (0, [])
-        pictures = folder and Snapshots(folder, model, run, thread, started, written, cost.history)
-
-        def frames() -> list[tuple[float, str]]:
-            return pictures.frames if pictures else []
-
+        pictures = folder and Snapshots(folder, model, run, started, written, cost.history)
         with deferred_interrupt() as interruption:
             for step in levels(model, started, model.steps + model.half_window):
                 record.level(step)
@@ -177,14 +171,13 @@ def run_plan(
                     with timed(seconds, "snapshots"):
                         pictures.write(step)
                 model.drift()
+                frames = pictures.frames if pictures else []
                 keeper.step_done(step, model, record, frames, interruption.pressed)
                 complaints.hear(pictures.missing if pictures else "", keeper.missing)
                 if interruption.pressed:
                     raise KeyboardInterrupt
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
-            frames()  # waits for the last one
-            complaints.hear(pictures.missing if pictures else "", keeper.missing)
     _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
     settings = plan.settings
     return Simulation(

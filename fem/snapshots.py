@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import zlib
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
@@ -35,19 +34,15 @@ double precision a frame is 1.7 times as large and takes 1.7 times as long to wr
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
-_blocks = lru_cache(maxsize=1024)  # of 32 kB; those of the mesh come again in each frame
-_ZLIB = SimpleNamespace(
-    compress=_blocks(partial(zlib.compress, level=COMPRESSION_LEVEL)),
-    decompress=_blocks(zlib.decompress),
-)
+_compressed = lru_cache(maxsize=1024)(partial(zlib.compress, level=COMPRESSION_LEVEL))
+"""Blocks of 32 kB, compressed; those of the mesh come again in each frame."""
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
 class Snapshots:
     """Write frames into a folder, each complete before it gets its name and enters the index.
 
-    A thread compresses and writes a frame while the run goes on until the next one.  A run that is
-    interrupted leaves a valid index of the frames written so far.
+    A run that is interrupted leaves a valid index of the frames written so far.
 
     Point data: `displacement` since t = 0 and `velocity`, three components each.
     Cell data: `sigma_xx`, `sigma_yy`, `sigma_xy` at the centre of each element, in antiplane shear
@@ -67,13 +62,11 @@ class Snapshots:
         directory: Path,
         model: Model,
         run: str,
-        thread: Executor,
         started: int = 0,
         frames: Iterable[tuple[float, str]] = (),
         reserve: int = 0,
     ) -> None:
         self.directory, self.model, self.run, self.reserve = directory, model, run, reserve
-        self._thread, self._last = thread, thread.submit(lambda: None)
         forget_other_frames(self.directory, run)
         count = model.plan.settings.frames
         levels = np.rint(np.linspace(0, model.steps, count + 1)[1:]).astype(int)
@@ -83,52 +76,37 @@ class Snapshots:
         # nodes are fewer than 2^31; their numbers in 32 bits are written in two thirds of the time
         self._cells = [(CELLS[model.plan.settings.mesh], cells.T.astype(np.int32))]
         self._centres = self._points[cells.T, :2].mean(axis=1).T
-        self._listed = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
+        # (time, name) of the frames that the index lists
+        self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
         # why frames are missing, as a sentence, and whether one failed, after which none is tried
         self.missing, self.failed = "", False
         due = sum(level < started for level in self._levels)
-        if len(self._listed) < due:
+        if len(self.frames) < due:
             self.missing = (
-                f"{due - len(self._listed)} of the {due} snapshots due before the interruption are "
+                f"{due - len(self.frames)} of the {due} snapshots due before the interruption are "
                 f"not in {self.directory}."
             )
-        write_index(self.directory, self._listed, self.run)
-
-    @property
-    def frames(self) -> list[tuple[float, str]]:
-        """Times and names of the frames that the index lists, as soon as the last one is written or
-        has failed."""
-        self._last.result()
-        return self._listed
+        write_index(self.directory, self.frames, self.run)
 
     def is_due(self, level: int) -> bool:
         """Return whether a time level has a frame, and no frame has failed."""
         return level in self._levels and not self.failed
 
     def write(self, level: int) -> None:
-        """Write the frame of a time level if it is due, after its kick and before its drift.
-
-        The thread goes on with it when this returns.
-        """
-        self._last.result()
+        """Write the frame of a time level if it is due, after its kick and before its drift."""
         time, number = level * self.model.time_step, self._levels.index(level) + 1
-        if not self.failed:
-            frame, name = self._frame(time), f"fields-{number:04d}.vtu"
-            self._last = self._thread.submit(self._write, time, name, frame)
-
-    def _write(self, time: float, name: str, frame: meshio.Mesh) -> None:
-        """Write a frame and its entry in the index, or say why they are missing."""
+        name = f"fields-{number:04d}.vtu"
         path = self.directory / name
         try:
-            with new_frame(path, frame, self.run):
+            with new_frame(path, self._frame(time), self.run):
                 if free_space(self.directory) < self.reserve:
                     raise DataFileError(
                         f"{path} would leave no room on the disk for the histories."
                     )
-            self._listed.append((time, name))
-            write_index(self.directory, self._listed, self.run)
+            self.frames.append((time, name))
+            write_index(self.directory, self.frames, self.run)
         except DataFileError as error:
-            self._listed = [entry for entry in self._listed if entry[1] != name]
+            self.frames = [entry for entry in self.frames if entry[1] != name]
             self.failed = True
             path.unlink(missing_ok=True)
             self.missing = (
@@ -203,7 +181,7 @@ class Snapshots:
 def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
     """Open a frame of a run for writing; it gets its name when the context ends without error."""
     with new_file(path, seal=Seal.XML) as part:
-        with quick_compression():
+        with _quick_compression():
             meshio.write(part, mesh, file_format="vtu")
         with part.open("ab") as stream:
             stream.write(f"<!-- slipfront run {run} -->\n".encode())
@@ -211,12 +189,12 @@ def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
 
 
 @contextmanager
-def quick_compression() -> Iterator[None]:
-    """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option, and no block twice.
+def _quick_compression() -> Iterator[None]:
+    """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option.
 
-    Its VTU reader and writer call functions of the module zlib that they have imported.
+    Its VTU writer calls `zlib.compress(block)` of the module zlib that it has imported.
     """
-    _vtu.zlib = _ZLIB
+    _vtu.zlib = SimpleNamespace(compress=_compressed, decompress=zlib.decompress)
     try:
         yield
     finally:

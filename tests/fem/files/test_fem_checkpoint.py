@@ -155,7 +155,7 @@ def test_checkpoints_come_by_steps_or_seconds(monkeypatch):
         keeper = Keeper(Path("file"), pace, {}, clock=lambda: next(times))
         written.clear()
         for step in range(21):
-            keeper.step_done(step, types.SimpleNamespace(steps=20), None, list, False)
+            keeper.step_done(step, types.SimpleNamespace(steps=20), None, [], False)
         return written.copy()
 
     by_seconds = steps_written(Pace(seconds=1.0))

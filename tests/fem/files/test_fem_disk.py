@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import time
 from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -110,13 +109,7 @@ def test_run_without_room_is_refused_before_it_starts(options, what, tmp_path, m
 def test_snapshots_that_find_no_room_end_no_run(how, whole, tmp_path):
     told = []
     with disk_that_fills(how, tmp_path) as (folder, fill, _):
-
-        def fill_after_two():
-            while len(listed(folder)) < 2:  # a thread writes it
-                time.sleep(0.001)
-            fill()
-
-        progress = call_at(whole.steps // 2 + 1, fill_after_two)
+        progress = call_at(whole.steps // 2 + 1, fill)
         run = simulate(SCENE, **SMALL, snapshots=folder, progress=progress, tell=told.append)
         assert listed(folder) == ["fields-0001.vtu", "fields-0002.vtu"]
         assert last_frame(folder, run.run).time == pytest.approx(0.5, abs=run.time_step)
@@ -173,8 +166,8 @@ def test_checkpoint_wanted_now_is_an_error_if_it_cannot_be_written(tmp_path, mon
     empty = SimpleNamespace(step=3, frames=(), parts={})
     monkeypatch.setattr("fem.checkpoint.take_checkpoint", lambda *state: empty)
     with pytest.raises(DataFileError, match="Cannot write"):
-        keeper.step_done(3, SimpleNamespace(steps=9), None, list, True)
-    keeper.step_done(100, SimpleNamespace(steps=999), None, list, False)
+        keeper.step_done(3, SimpleNamespace(steps=9), None, [], True)
+    keeper.step_done(100, SimpleNamespace(steps=999), None, [], False)
     assert "Cannot write" in keeper.missing
 
 

@@ -1,7 +1,6 @@
 """Files of a simulation: its histories, and pictures of its fields."""
 
 import dataclasses
-import time
 import xml.etree.ElementTree as ET
 
 import h5py
@@ -11,10 +10,9 @@ import pytest
 from catalogue import UNIT
 
 import semianalytic as sf
-from fem import simulate, snapshots
+from fem import simulate
 from fem.results import load_simulation
 from fem.run import levels
-from fem.snapshots import new_frame
 from tests.fem.runs import MIXED, SHEARED_ALONG_Z, assert_same, interrupted, prepare
 
 
@@ -179,27 +177,3 @@ def test_interrupted_run_leaves_a_valid_index(tmp_path):
     middle = prepare(MIXED, resolution=12).steps // 2 + 1
     interrupted(MIXED, middle, resolution=12, snapshots=tmp_path, frames=4)
     assert len(index(tmp_path)) == 2
-
-
-def test_frames_written_slowly_are_complete_and_in_each_checkpoint(tmp_path, monkeypatch):
-    def slowly(path, mesh, run):
-        time.sleep(0.05)  # longer than the steps between two frames take
-        return new_frame(path, mesh, run)
-
-    monkeypatch.setattr(snapshots, "new_frame", slowly)
-    kept = {"checkpoint": tmp_path / "run.h5", "checkpoint_every": 1}
-    options = {"resolution": 12, "snapshots": tmp_path, "frames": 4}
-    middle = prepare(MIXED, resolution=12).steps // 2
-    interrupted(MIXED, middle, **options, **kept)
-    again = simulate(MIXED, **options, **kept, resume=True)
-    assert again.unwritten == ""
-    assert len(index(tmp_path)) == 4
-
-
-def test_failure_of_the_last_frame_ends_the_run(tmp_path, monkeypatch):
-    def out_of_memory(*frame):
-        raise MemoryError("no room for a frame")
-
-    monkeypatch.setattr(snapshots, "new_frame", out_of_memory)
-    with pytest.raises(MemoryError, match="a frame"):
-        simulate(MIXED, resolution=10, snapshots=tmp_path, frames=1)
