@@ -34,8 +34,11 @@ double precision a frame is 1.7 times as large and takes 1.7 times as long to wr
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
-_compressed = lru_cache(maxsize=1024)(partial(zlib.compress, level=COMPRESSION_LEVEL))
-"""Blocks of 32 kB, compressed; those of the mesh come again in each frame."""
+_blocks = lru_cache(maxsize=1024)  # of 32 kB; those of the mesh come again in each frame
+_ZLIB = SimpleNamespace(
+    compress=_blocks(partial(zlib.compress, level=COMPRESSION_LEVEL)),
+    decompress=_blocks(zlib.decompress),
+)
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
@@ -181,7 +184,7 @@ class Snapshots:
 def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
     """Open a frame of a run for writing; it gets its name when the context ends without error."""
     with new_file(path, seal=Seal.XML) as part:
-        with _quick_compression():
+        with quick_compression():
             meshio.write(part, mesh, file_format="vtu")
         with part.open("ab") as stream:
             stream.write(f"<!-- slipfront run {run} -->\n".encode())
@@ -189,12 +192,12 @@ def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
 
 
 @contextmanager
-def _quick_compression() -> Iterator[None]:
-    """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option.
+def quick_compression() -> Iterator[None]:
+    """Let meshio compress at `COMPRESSION_LEVEL`, for which it has no option, and no block twice.
 
-    Its VTU writer calls `zlib.compress(block)` of the module zlib that it has imported.
+    Its VTU reader and writer call functions of the module zlib that they have imported.
     """
-    _vtu.zlib = SimpleNamespace(compress=_compressed, decompress=zlib.decompress)
+    _vtu.zlib = _ZLIB
     try:
         yield
     finally:

@@ -182,8 +182,12 @@ def frame_mesh(path: Path) -> Iterator[meshio.Mesh]:
     """The mesh and fields of a frame; DataFileError if it is damaged or lacks what is read."""
     import meshio
 
+    from fem.snapshots import quick_compression
+
     try:
         check_seal(path)
-        yield meshio.read(path)
+        with quick_compression():
+            mesh = meshio.read(path)
+        yield mesh
     except (Exception, SystemExit) as error:  # meshio raises bare exceptions, and exits on some
         raise DataFileError(f"{path} cannot be read as a snapshot; simulate again.") from error
