@@ -1,11 +1,11 @@
 """Integrals of the densities of waves from a fixed point to any k of the upper half-plane.
 
 They are analytic there, and singular at a few points of the real axis: wave fronts, zone edges, 0.
-Around each of these the half-plane is divided into cells along lines of ln(k - centre), and around
-0 far above them all; in each cell, powers and logarithms are polynomials of low degree, down to the
-centre.  Cells are formed when a point falls into them.  Each takes its constant of integration from
-a neighbour: up to the cells far above, from these inwards, and at last from where no wave has
-arrived yet, between 0 and -a.
+Around each of these the half-plane is divided into cells along lines of ln(k - centre), and, far
+above them all, around the one that parts what is ahead from what is behind; in each cell, powers
+and logarithms are polynomials of low degree, down to the centre.  Cells are formed when a point
+falls into them.  Each takes its constant of integration from a neighbour: up to the cells far
+above, from these inwards, and at last from where no wave has arrived yet, left of this point.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ class Cell(NamedTuple):
     """A cell, by a side of a centre, its level and its sector.
 
     Sides 2 i and 2 i + 1 are left and right of centre i; there sectors begin at the axis, and level
-    0 ends where the next centre is.  Side -1 is around 0, far from all centres, in all sectors from
-    the right.
+    0 ends where the next centre is.  Side -1 is around the parting point, far from all centres, in
+    all sectors from the right.
     """
 
     side: int
@@ -70,19 +70,26 @@ class Primitives:
 
     @cached_property
     def reach(self) -> float:
-        """Slowness of the slowest front or zone edge; from twice that on all centres are near 0."""
+        """Slowness of the slowest front or zone edge."""
         return float(np.abs(self.source.places).max())
 
     @cached_property
+    def _extent(self) -> float:
+        """Distance from the parting point from which on all centres are near it."""
+        return 2 * float(np.abs(self.source.places - self._places[-1]).max())
+
+    @cached_property
     def _tops(self) -> Array:
-        """Logarithms (2 c + 1,) of the radius of each side near the axis, and of that around 0."""
-        gaps = np.repeat([4 * self.reach, *self.source.between, 4 * self.reach], 2)[1:-1]
-        return np.log([*gaps / (2 * np.cos(_STEP)), 2 * self.reach])
+        """Logarithms (2 c + 1,) of the radius of each side near the axis, and of that far out."""
+        gaps = np.repeat([2 * self._extent, *self.source.between, 2 * self._extent], 2)[1:-1]
+        return np.log([*gaps / (2 * np.cos(_STEP)), self._extent])
 
     @cached_property
     def _places(self) -> Array:
-        """Values (2 c + 1,) of k at the centre of each side."""
-        return np.array([*np.repeat(self.source.places, 2), 0.0])
+        """Values (2 c + 1,) of k at the centre of each side, and at the parting point."""
+        return self.source.places[
+            [*np.repeat(range(len(self.source.places)), 2), self.source.parting]
+        ]
 
     def _nearest(self, k: Complex) -> np.ndarray:
         """Return the centres (m,) nearest to points."""
@@ -103,14 +110,15 @@ class Primitives:
         offset[np.abs(offset) <= (tuning.SAME * np.abs(places))[centre]] = close
         side = 2 * centre + (offset.real >= 0)
         far = self._is_far(k, np.abs(offset) > np.exp(self._tops)[side])
-        side, offset = np.where(far, -1, side), np.where(far, k, offset)
+        side, offset = np.where(far, -1, side), np.where(far, k - self._places[-1], offset)
         log = np.log(np.abs(offset)) + 1j * np.angle(offset)
         return self._holding(side, log), log
 
     def _is_far(self, k: Complex, above: np.ndarray) -> np.ndarray:
         """Return (m,) whether points, `above` level 0 of a side or not, are as far from all."""
-        apart = np.abs(k) > 2 * self.reach
-        return np.asarray(apart | above & (k.imag > np.tan(_STEP) * np.abs(k.real)))
+        offset = k - self._places[-1]
+        upright = k.imag > np.tan(_STEP) * np.abs(offset.real)
+        return np.asarray((np.abs(offset) > self._extent) | above & upright)
 
     def _holding(self, side: np.ndarray, log: Complex) -> np.ndarray:
         """Return the cells (3, m) of sides (m,) that hold points ln(k - centre)."""
@@ -148,13 +156,13 @@ class Primitives:
         known = (side == parting) & (sector == 0) & (level <= 0)
         log = middles + way * halves * (np.where(known, 1, 1 + 1e-9) / np.sqrt(2.0))
         k = np.exp(log) + self._places[side]
-        offset = k - self._places[parting]
+        offset = k - self._places[-1]
         other = parting + (offset.real >= 0)
         enters = (side < 0) & (way == -1) & (np.abs(offset) < np.exp(self._tops)[other])
         leaves &= self._is_far(k, leaves)
         crossed = np.where(home, parting + (log.imag <= np.pi / 2), side)
         side = np.select([enters, leaves], [other, -1], crossed)
-        at = np.where(enters, np.log(offset), np.where(leaves, np.log(k), log))
+        at = np.where(enters | leaves, np.log(offset), log)
         following = self._holding(side, at)
         theirs, unit = self._squares(following)
         rows = following.T.tolist(), known, (at - theirs) / unit, (log - middles) / halves

@@ -101,7 +101,7 @@ def export(
         list[str] | None,
         typer.Argument(
             metavar="[NAME...]",
-            help="Sheets to write; by default those of docs/benchmarks.md.",
+            help="Sheets to write; by default all of the page on benchmarks.",
             autocompletion=completion.sheets,
         ),
     ] = None,

@@ -16,6 +16,9 @@ SCENES = {
     "far slower zone": unit_scene(98.0),
     "moving load": find("moving-load"),
     "load faster than waves": replace(unit_scene(0.3, (1.0, 0.1)), load=MovingLoad(2.2, 0.3, 0.6)),
+    "load little faster than waves": replace(
+        unit_scene(0.6, (1.0, 0.1), mode="antiplane"), load=MovingLoad(1.0946, 0.0, 0.9)
+    ),
     "pair": find("pair-slip"),
 }
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
@@ -40,7 +43,7 @@ def along_a_path(source, k):
         half = np.diff(ends)[:, None] / 2
         log = first + (last - first) * (ends[:-1, None] + half * (1 + NODES))
         offset = np.exp(log).ravel()
-        values = source.densities(np.full(len(offset), -1), (place + offset)[:, None])[..., 0]
+        values = source.densities(np.full(len(offset), -1), offset[:, None])[..., 0]
         total += values @ (offset * ((last - first) * half * WEIGHTS).ravel())
     return total
 
