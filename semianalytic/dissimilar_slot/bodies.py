@@ -106,11 +106,11 @@ class BodyFace(Source):
     def _densities(self, owners: np.ndarray, offset: Complex) -> Complex:
         """Return all densities (f, m) at offsets (m,) from singular points (m,)."""
         fronts = np.array([[self.factors.a], [1.0], [self.factors.c]])
-        place = np.append(self.places, 0.0)[owners]
+        place = self.places[owners]
         left, right = (fronts + place) + offset, (place - fronts) + offset
         at = Slowness(self.factors, place + offset, left, right)
         values = np.empty((4, len(offset)), dtype=complex)
-        stuck, start = (owners >= 0) & (owners < self.parting), place * self._unit
+        stuck, start = owners < self.parting, place * self._unit
         # The exact slowness of singular points, without the rounding of its scaled copy.
         start[stuck] = -np.array(self._singular)[owners[stuck]]
         ahead = at.k.real >= 0

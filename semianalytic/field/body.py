@@ -261,11 +261,7 @@ def upper(
     along = primitives.source.antiplane
     chosen = (ALONG if along else PLANE)[quantity]
     # There is one wave in antiplane shear, and nothing to cancel with it.
-    near = (
-        np.zeros(len(x), dtype=bool)
-        if along
-        else t > tuning.NEAR_EDGE * np.sqrt(np.square(x) + np.square(y))
-    )
+    near = (t > tuning.NEAR_EDGE * np.sqrt(np.square(x) + np.square(y))) & (not along)
     result = np.zeros((chosen.stop - chosen.start, len(x)))
     for wave in waves(primitives.source):
         here = np.flatnonzero(arrives(x, y, t, wave.slowness, primitives.source.front) & ~near)

@@ -91,23 +91,23 @@ class Primitives:
             [*np.repeat(range(len(self.source.places)), 2), self.source.parting]
         ]
 
-    def _nearest(self, k: Complex) -> np.ndarray:
-        """Return the centres (m,) nearest to points."""
-        borders = (self.source.places[1:] + self.source.places[:-1]) / 2
+    def _from_nearest(self, k: Complex) -> tuple[np.ndarray, Complex, np.ndarray]:
+        """Return the centres (m,) nearest to points, k - centre, and whether both coincide."""
+        places = self.source.places
         # a search takes four times as long for points in no order
-        return np.sum([k.real > border for border in borders], axis=0)
+        centre = np.sum([k.real > border for border in (places[1:] + places[:-1]) / 2], axis=0)
+        offset = k - places[centre]
+        return centre, offset, np.abs(offset) <= (tuning.SAME * np.abs(places))[centre]
 
     def at_centre(self, k: Complex) -> np.ndarray:
         """Return (m,) whether points coincide with a centre to rounding."""
-        places = self.source.places[self._nearest(k)]
-        return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
+        return self._from_nearest(k)[2]
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
         """Return the cells (3, m) of points (m,), and ln(k - centre), no closer than `close`."""
-        centre, places = self._nearest(k), self.source.places
-        offset = k - places[centre]
+        centre, offset, same = self._from_nearest(k)
         # ln 0 at a singular point; the caller says how near to it fields are taken.
-        offset[np.abs(offset) <= (tuning.SAME * np.abs(places))[centre]] = close
+        offset[same] = close
         side = 2 * centre + (offset.real >= 0)
         far = self._is_far(k, np.abs(offset) > np.exp(self._tops)[side])
         side, offset = np.where(far, -1, side), np.where(far, k - self._places[-1], offset)
@@ -188,7 +188,8 @@ class Primitives:
         # sheet.
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
         matrix, kept = self._pattern[1], self.source.kept
-        values = self.source.densities(np.array([cell.side // 2 for cell in cells]), offsets)
+        owners = [cell.side // 2 if cell.side >= 0 else self.source.parting for cell in cells]
+        values = self.source.densities(np.array(owners), offsets)
         # dk = (k - centre) d ln(k - centre), and the unit of the polynomials is half a diagonal.
         integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * halves[:, None]), 0, -1))
         fresh = np.zeros((len(cells), len(matrix) + 1, len(values)), dtype=complex)
@@ -217,7 +218,7 @@ class Primitives:
         changes = (at_other @ others[:, 1:] - at_own @ fresh[:, 1:])[:, 0]
         waiting = dict(numbers)
         while waiting:
-            for cell, number in [*waiting.items()]:
+            for cell, number in [*reversed(waiting.items())]:  # chains begin at their last cell
                 other = links[cell][0]
                 if other not in waiting:
                     del waiting[cell]

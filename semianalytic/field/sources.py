@@ -76,8 +76,7 @@ class Source(Protocol):
         """Whether the rule has so few digits that polynomials of a lower degree hold them."""
 
     def densities(self, owners: np.ndarray, offset: Complex) -> Complex:
-        """Return all densities (f, c, m) at offsets (c, m) from `places[owners]`, of -1 the
-        parting point."""
+        """Return all densities (f, c, m) at offsets (c, m) from `places[owners]`."""
 
 
 def _order(centre: Centre, other: Centre) -> int:
@@ -168,7 +167,7 @@ class LikeBody(Source):
         return self.ahead - plane_wave(at_zero, factors.mode, factors.a)
 
     def densities(self, owners: np.ndarray, offset: Complex) -> Complex:
-        centres, factors = [*self._centres, self._parting], self.factors
+        centres, factors = self._centres, self.factors
         fronts = np.array([factors.a, 1.0, factors.in_plane.c])
         gaps = np.array([centre.fronts(fronts) for centre in centres])[owners]
         left, right = np.moveaxis(gaps, 0, -1)[..., None] + offset

@@ -182,8 +182,8 @@ def _transforms() -> Any:
     given, found, waves = np.arange(4.0), np.empty((5, 4)), np.zeros(3, complex)
     try:
         direct = import_module("scipy.fft._pocketfft.pypocketfft")
-        for row, (kind, scaling) in zip(found, ((2, 0), (3, 2), (1, 0), (1, 2)), strict=False):
-            direct.dct(given, kind, (0,), scaling, row)
+        for row, (kind, scaling) in enumerate(((2, 0), (3, 2), (1, 0), (1, 2))):
+            direct.dct(given, kind, (0,), scaling, found[row])
         waves = direct.r2c(given, (0,), True, 0)
         found[4] = direct.c2r(waves, (0,), 4, False, 2)
     except (ImportError, AttributeError, TypeError, ValueError, RuntimeError):

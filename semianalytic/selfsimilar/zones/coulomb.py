@@ -20,8 +20,14 @@ from semianalytic.selfsimilar.zones import tuning
 
 _APART = (False, False)
 _OF_NODES = ("widths", "from_left", "from_right", "jacobian", "skew")
-_OF_FIELDS: tuple[str, ...] = ("slip_rate_slope", "traction_slope", "residue")
-_OF_FIELDS += ("transform_at_edge", "stick_transform_at_edge", "stick_transform_excess")
+_OF_FIELDS = (
+    "slip_rate_slope",
+    "traction_slope",
+    "residue",
+    "transform_at_edge",
+    "stick_transform_at_edge",
+    "stick_transform_excess",
+)
 """Arrays of panels and fields that `wrong` needs, each with an axis of sets."""
 
 

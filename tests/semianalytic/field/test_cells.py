@@ -43,7 +43,7 @@ def along_a_path(source, k):
         half = np.diff(ends)[:, None] / 2
         log = first + (last - first) * (ends[:-1, None] + half * (1 + NODES))
         offset = np.exp(log).ravel()
-        values = source.densities(np.full(len(offset), -1), offset[:, None])[..., 0]
+        values = source.densities(np.full(len(offset), source.parting), offset[:, None])[..., 0]
         total += values @ (offset * ((last - first) * half * WEIGHTS).ravel())
     return total
 
@@ -59,6 +59,17 @@ def test_integrals_by_cells_are_those_along_a_path(name, rtol, within):
     rows = np.arange(len(found)) != (-1 if source.kept is None else source.kept)
     error = np.abs(found - expected) / (1 + np.abs(expected))
     assert error[rows].max() < within
+
+
+@pytest.mark.parametrize("speed", [1e12, -1e12])
+def test_a_load_that_moves_at_any_speed_is_in_the_end_that_on_the_whole_slot(speed):
+    """Then the point that parts what is ahead comes to 0."""
+    x, y = np.random.default_rng(5).uniform(-1, 1, (2, 100))
+    whole = solve(PRELOADED, rtol=1e-9)
+    load = MovingLoad(speed, PRELOADED.load.pressure, PRELOADED.load.shear)
+    moving = solve(replace(PRELOADED, load=load), rtol=1e-9)
+    np.testing.assert_allclose(moving.stress(x, y, 1.0), whole.stress(x, y, 1.0), atol=1e-11)
+    np.testing.assert_allclose(moving.velocity(x, y, 1.0), whole.velocity(x, y, 1.0), atol=1e-11)
 
 
 def test_a_picture_needs_few_cells_and_is_the_same_in_parts():
