@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.arrays import Array
 
@@ -108,25 +108,42 @@ def _rules() -> tuple[Array, Array, Array]:
     return t, np.asarray(coefficients, dtype=float), np.asarray(integral @ coefficients)
 
 
+@dataclass(frozen=True)
+class Bend:
+    """The map x = size sinh(s / size), by which equal steps in s grow with |x| beyond the size."""
+
+    size: float
+
+    def x(self, s: Array) -> Array:
+        """Return the x of coordinates s."""
+        return np.asarray(self.size * np.sinh(s / self.size))
+
+    def s(self, x: ArrayLike) -> Array:
+        """Return the s of coordinates x."""
+        return np.asarray(self.size * np.arcsinh(np.asarray(x) / self.size))
+
+    def slope(self, x: Array) -> Array:
+        """Return dx/ds at coordinates x."""
+        return np.asarray(np.hypot(1.0, x / self.size))
+
+
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Intervals start + i length ... start + (i + 1) length in s on a stretch.
-
-    With a bend x = bend sinh(s / bend), so that they grow with |x|, and without one x = s.
-    """
+    """Intervals start + i length ... start + (i + 1) length in s on a stretch; s = x without a
+    bend."""
 
     stretch: Stretch
     start: float
     length: float
     count: int
-    bend: float | None = None
+    bend: Bend | None = None
 
     @cached_property
     def x(self) -> Array:
         """Chebyshev points of all intervals, (count, POINTS)."""
         centres = self.start + self.length * (np.arange(self.count) + 0.5)
         s = np.asarray(centres[:, None] + self.length / 2 * _rules()[0])
-        return np.asarray(self.bend * np.sinh(s / self.bend)) if self.bend else s
+        return self.bend.x(s) if self.bend else s
 
     @cached_property
     def points(self) -> Points:
@@ -135,7 +152,7 @@ class Intervals:
 
     def shares(self, x: Array) -> Array:
         """Return coordinates x (n,) as numbers of intervals from the start, within them all."""
-        s = self.bend * np.arcsinh(x / self.bend) if self.bend else x
+        s = self.bend.s(x) if self.bend else x
         return np.clip((s - self.start) / self.length, 0.0, self.count)
 
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from semianalytic.dissimilar.canonical import Glued
 from semianalytic.dissimilar.compliance import Complex, Entries
-from semianalytic.dissimilar.stretch import Points, Stretch, Values
+from semianalytic.dissimilar.stretch import Bend, Points, Stretch, Values
 from semianalytic.dissimilar_slot.densities.interface import LoadedBodies
 from semianalytic.dissimilar_slot.densities.panels import (
     Panel,
@@ -128,12 +128,12 @@ class Density:
         before, after = (self.digits / max(1 + min(e, 0.0), 0.05) for e in exponents)
         # Where it has fallen to e^-d the digits less d suffice, for which points may be further
         # apart than those of this map by which x is evaluated.
-        bend, lead = 0.3 * max(before, after) + 2.0 * stretch.lead, stretch.lead
-        first, last = bend * np.arcsinh(np.array([-before - lead, after]) / bend)
-        steps = np.arange(first, last + spacing, spacing) / bend
+        bend = Bend(0.3 * max(before, after) + 2.0 * stretch.lead)
+        first, last = bend.s([-before - stretch.lead, after])
+        x = bend.x(np.arange(first, last + spacing, spacing))
         # Im x = -pi / 2 is the half circle from left to right in Im v < 0.
-        points = stretch.at(bend * np.sinh(steps) - 0.5j * np.pi)
-        slope = np.asarray(stretch.slope(points)) / points.v * np.cosh(steps)
+        points = stretch.at(x - 0.5j * np.pi)
+        slope = np.asarray(stretch.slope(points)) / points.v * bend.slope(x)
         values = self.tractions(stretch, points) * slope[:, None]
         return np.asarray(values.sum(axis=0).imag * (spacing / np.pi))
 

@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from semianalytic.dissimilar.stretch import (
+    Bend,
     Intervals,
     Series,
     Stretch,
@@ -121,14 +122,14 @@ class PairProfile:
         if stretch.right is not None:
             after = reach(stretch.right)
         # As in `Density._traction_change` intervals may grow as the integrand falls.
-        bend, length = 0.2 * max(before, after) + stretch.lead, _LENGTH / digits
-        first, last = bend * np.arcsinh(np.array([-before, after]) / bend)
+        bend, length = Bend(0.2 * max(before, after) + stretch.lead), _LENGTH / digits
+        first, last = bend.s([-before, after])
         count = int(np.ceil((last - first) / length))
         intervals = Intervals(stretch, first, length, count, bend)
         points = intervals.points
         tractions = density.tractions(stretch, points).imag
         # dT/dx = Im T(-v + i0) / (pi v) dv/dx: T is analytic above the cut.
-        slope = np.asarray(stretch.slope(points)) * np.hypot(1.0, points.x / bend)
+        slope = np.asarray(stretch.slope(points)) * bend.slope(points.x)
         slopes = tractions * (slope / (np.pi * points.v))[:, None]
         slopes = slopes.reshape(count, -1, 2)
         constant = [np.full((count, 1), value) for value in state[:SHEAR]]
