@@ -1,4 +1,4 @@
-"""Units and conventions that files name are followed where they are known, and refused where not."""
+"""Units and conventions that files name are followed where known, and refused where not."""
 
 import re
 
